@@ -145,6 +145,7 @@ typedef struct dev_sampling {
     dev_uint face_first, face_count, faces; /* rays aimed at faces; number of faces */
     dev_uint azimuths_learnt;               /* 0: all rows of the learnt table are even */
     dev_uint lattice_shift;                 /* c1 */
+    dev_uint stream;                        /* of random numbers, where there is no lattice */
     float lattice_offset;                   /* c0 */
     float footprint_rays; /* rays, next to each other in elevation, that a level footprint spans */
     float front[3];       /* transmitter axis, world */

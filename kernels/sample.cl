@@ -131,8 +131,9 @@ APART static ray_sample draw(__global const dev_ping *ping, const sampler_store 
         return draw_adaptive(ping, store, index);
     }
     real count = (real)((float)(ping->batch.rays));
-    random4 random = random_draw(index, ping->ping[0], ping->ping[1], RANDOM_SAMPLE, ping->seed[0],
-                                 ping->seed[1]);
+    uint purpose = RANDOM_SAMPLE + (ping->sampling.stream << 4);
+    random4 random =
+        random_draw(index, ping->ping[0], ping->ping[1], purpose, ping->seed[0], ping->seed[1]);
     return ping->sampling.sampler == DEV_SAMPLER_BEAM
                ? sample_beam(ping->sampling.lobe, ping->sampling.lobes, random, count)
                : sample_uniform_sphere(random, count);

@@ -286,22 +286,38 @@ static uint32_t find_alike(const asdic_sonar *sonar, alike *out) {
     return pings;
 }
 
-/* The same with many receivers: neighbouring receivers see much the same and share an error. */
-static void calibrate_bin(asdic_simulator *sim, size_t n, const calibration *c, double *values,
-                          double *sums) {
+/* The mean relative variance of beam B's bins round bin N, of those that hold anything; negative: none does. */
+static double beam_variance(const asdic_simulator *sim, size_t b, size_t n, const calibration *c) {
+    size_t bins = sim->setup.bins, reach = is_alone(&c->alike[b]) ? BIN_WINDOW_ALONE : BIN_WINDOW;
+    size_t from = n > reach ? n - reach : 0, to = n + reach < bins ? n + reach : bins - 1;
+    double variance[2 * BIN_WINDOW_ALONE + 1], known = 0.0, mean = 0.0;
+    for (size_t k = from; k <= to; k++) {
+        variance[k - from] = cell_variance(c, b * bins + k);
+        known += variance[k - from] >= 0.0;
+    }
+    for (size_t k = from; k <= to; k++) {
+        mean += known > 0.0 ? fmax(variance[k - from], 0.0) / known : -1.0;
+    }
+    return mean;
+}
+
+/* The same with many receivers: neighbouring receivers see much the same and share an error. Where all of them heard
+ * nothing, it is not known. */
+static void calibrate_bin(asdic_simulator *sim, size_t n, const calibration *c) {
     size_t beams = sim->setup.sonar.receiver_count, bins = sim->setup.bins;
+    double *values = c->row, *sums = values + beams + 1, *known = sums + beams + 1,
+           *counts = known + beams + 1;
     for (size_t b = 0; b < beams; b++) {
-        size_t reach = is_alone(&c->alike[b]) ? BIN_WINDOW_ALONE : BIN_WINDOW;
-        size_t from = n > reach ? n - reach : 0, to = n + reach < bins ? n + reach : bins - 1;
-        values[b] = 0.0;
-        for (size_t k = from; k <= to; k++) {
-            values[b] += fmax(cell_variance(c, b * bins + k), 0.0) / (double)(to - from + 1);
-        }
+        double variance = beam_variance(sim, b, n, c);
+        values[b] = fmax(variance, 0.0);
+        known[b] = variance >= 0.0;
     }
     add_up(values, beams, sums);
+    add_up(known, beams, counts);
     for (size_t b = 0; b < beams; b++) {
         size_t low = c->alike[b].low, high = c->alike[b].high;
-        double shared = (sums[high + 1] - sums[low]) / (double)(high - low + 1);
+        double count = counts[high + 1] - counts[low];
+        double shared = count > 0.0 ? (sums[high + 1] - sums[low]) / count : 1.0;
         double own = OWN_ERROR * fmax(cell_variance(c, b * bins + n), 0.0);
         sim->learnt.stated[b * bins + n].of_block = (float)(shared + own);
     }
@@ -432,7 +448,7 @@ asdic_status asdic_simulator_calibrate(asdic_simulator *sim, const asdic_pose *p
     TRY(run_pings(sim, pose, index, c));
     if (sim->fan.many) {
         for (size_t n = 0; n < sim->setup.bins; n++) {
-            calibrate_bin(sim, n, c, c->row, c->row + sim->setup.sonar.receiver_count + 1);
+            calibrate_bin(sim, n, c);
         }
         return ASDIC_OK;
     }

@@ -305,19 +305,8 @@ static asdic_status choose_faces(asdic_simulator *sim, const asdic_pose *pose, u
                               asdic_shot_beams(shot));
 }
 
-asdic_status asdic_simulator_learn(asdic_simulator *sim, const asdic_pose *pose, uint64_t index) {
-    if (!sim || !pose) {
-        return asdic_fail(sim ? sim->ctx : NULL, ASDIC_ERROR_ARGUMENT,
-                          "asdic_simulator_learn: NULL argument");
-    }
-    const asdic_sampling *sampling = &sim->setup.sampling;
-    if (sim->coherent || sampling->sampler != ASDIC_SAMPLER_ADAPTIVE ||
-        sampling->left_out & (1u << ASDIC_TERM_RAYS)) {
-        return ASDIC_OK;
-    }
-    TRY(asdic_pose_check(sim->ctx, pose));
-    TRY(asdic_simulator_center(sim, pose->position_m));
-    asdic_simulator_forget(sim);
+/* Where rays matter, of the adaptive sampler. */
+static asdic_status learn_table(asdic_simulator *sim, const asdic_pose *pose, uint64_t index) {
     TRY(choose_faces(sim, pose, index));
     lower_zone(sim, pose);
     for (uint32_t round = 0; round < PILOT_ROUNDS; round++) {
@@ -327,5 +316,26 @@ asdic_status asdic_simulator_learn(asdic_simulator *sim, const asdic_pose *pose,
         asdic_tracer_forget(sim->tracer); /* its forms were chosen for other rays */
         sim->learnt.once = true;
     }
-    return sampling->without_errors ? ASDIC_OK : asdic_simulator_calibrate(sim, pose, index);
+    return ASDIC_OK;
+}
+
+asdic_status asdic_simulator_learn(asdic_simulator *sim, const asdic_pose *pose, uint64_t index) {
+    if (!sim || !pose) {
+        return asdic_fail(sim ? sim->ctx : NULL, ASDIC_ERROR_ARGUMENT,
+                          "asdic_simulator_learn: NULL argument");
+    }
+    const asdic_sampling *sampling = &sim->setup.sampling;
+    bool adapts = sampling->sampler == ASDIC_SAMPLER_ADAPTIVE;
+    /* Of rays that are drawn each by itself the groups tell the error, where there are any. */
+    bool calibrates = !sampling->without_errors && (adapts || sim->fan.many);
+    if (sim->coherent || !(adapts || calibrates) || sampling->left_out & (1u << ASDIC_TERM_RAYS)) {
+        return ASDIC_OK;
+    }
+    TRY(asdic_pose_check(sim->ctx, pose));
+    TRY(asdic_simulator_center(sim, pose->position_m));
+    asdic_simulator_forget(sim);
+    if (adapts) {
+        TRY(learn_table(sim, pose, index));
+    }
+    return calibrates ? asdic_simulator_calibrate(sim, pose, index) : ASDIC_OK;
 }

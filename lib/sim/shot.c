@@ -108,6 +108,7 @@ static void place_lattice(dev_ping *ping, uint32_t stream) {
                                 ping->seed[1]);
     ping->sampling.lattice_offset = (float)random_uniform(shift.v[0]);
     ping->sampling.lattice_shift = shift.v[1];
+    ping->sampling.stream = stream;
     for (uint32_t nth = 0; nth < ASDIC_MOST_CALIBRATION; nth++) {
         if (stream == ASDIC_STREAM_CALIBRATION(nth)) {
             random4 first = random_draw(ASDIC_STREAM_CALIBRATION(0u), ping->ping[0], ping->ping[1],

@@ -212,6 +212,49 @@ static void any_receivers_meet_the_quadrature(void **state) {
     rig_destroy(&r);
 }
 
+/* The energy of a beam's bins of COMPONENT from 8 m on, each made as loud as the others. */
+static double energy_of(const asdic_ping *ping, asdic_component component, size_t beam) {
+    double sum = 0.0;
+    for (size_t n = 16; n < ping->bins; n++) {
+        sum += ping->intensity_lin[component][beam * ping->bins + n] * pow((double)n, 3.0);
+    }
+    return sum;
+}
+
+/* Faces all round that leak backwards, sender and receivers each by themselves: few, many about one axis, and many
+ * unlike ones. Rays go everywhere, so that nothing is aimed. */
+static void faces_leak_backwards(void **state) {
+    (void)state;
+    static const size_t counts[] = {4, 16, 16};
+    static const asdic_component parts[] = {ASDIC_BOTTOM, ASDIC_SURFACE, ASDIC_VOLUME};
+    for (int k = 0; k < 3; k++) {
+        const fan_case f = {counts[k], 360, 100, 1.3, 0.7, 0.6, 0.5, 12, -25, k == 1 ? 0 : 5, true};
+        size_t which[16];
+        ping_rig r = rig_of(&f);
+        r.sonar.rear_floor_db = -7.0;
+        r.sampling.sampler = ASDIC_SAMPLER_UNIFORM_SPHERE;
+        r.sampling.rays = 1 << 18;
+        for (size_t b = 0; b < counts[k]; b++) {
+            beams[b].pitch_rad += k == 2 ? 0.1 * (double)b : 0.0;
+            beams[b].roll_rad += k == 2 ? 0.3 * (double)b : 0.0;
+            which[b] = b;
+        }
+        asdic_ping *ping = shoot(&r, false), *truth = truth_of(&r, which, counts[k], ping->bins);
+        double most_db = 0.0;
+        for (size_t b = 0; b < counts[k]; b++) {
+            for (int p = 0; p < 3; p++) {
+                double ratio = energy_of(ping, parts[p], b) / energy_of(truth, parts[p], b);
+                most_db = fmax(most_db, fabs(asdic_level_db(ratio)));
+            }
+        }
+        print_message("%zu faces all round: %.3f dB off at most\n", counts[k], most_db);
+        assert_true(most_db < 0.3);
+        asdic_ping_destroy(&truth);
+        asdic_ping_destroy(&ping);
+        rig_destroy(&r);
+    }
+}
+
 static void add_ball(ping_rig *r) {
     asdic_mesh *mesh = NULL;
     assert_ok(t.ctx, asdic_mesh_sphere(t.ctx, 0.5, 24, &mesh));
@@ -340,6 +383,7 @@ int main(void) {
         cmocka_unit_test(fans_meet_the_quadrature),
         cmocka_unit_test(errors_fall_as_rays_grow),
         cmocka_unit_test(any_receivers_meet_the_quadrature),
+        cmocka_unit_test(faces_leak_backwards),
         cmocka_unit_test(many_hear_what_few_hear),
         cmocka_unit_test(layout_never_changes_a_byte),
         cmocka_unit_test(one_receiver_a_work_item_hears_the_same),

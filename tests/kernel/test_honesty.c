@@ -232,6 +232,21 @@ static void several_beams(void **state) {
     }
 }
 
+/* Rays that are drawn each by itself: of many beams, which have no groups, only a calibration knows their error. */
+static void samplers_that_do_not_learn(void **state) {
+    (void)state;
+    honesty_case c = {"bench_fan", 160000, 0.0, 0.0, 32, 0.0, 3, 1.3};
+    honesty_rig r = rig_open(&c);
+    honesty_sum sums[2] = {{0}};
+    asdic_mission_sampling(r.mission)->sampler = ASDIC_SAMPLER_BEAM;
+    add_errors(&r, c.rays, c.blocks, add_far, sums);
+    print_message("beam sampler, %6u rays: true over stated %.2f, far %.2f\n", c.rays,
+                  rms_of(sums[0]), rms_of(sums[1]));
+    assert_true(rms_of(sums[0]) > 0.8 && rms_of(sums[0]) < c.most);
+    assert_true(rms_of(sums[1]) > 0.8 && rms_of(sums[1]) < c.most);
+    rig_close(&r);
+}
+
 static void add_to_beam(const honesty_rig *r, const asdic_ping *truth, size_t i, double square,
                         honesty_sum *sums) {
     (void)r;
@@ -312,9 +327,13 @@ static void open_water(void **state) {
 int main(void) {
     t = test_device_open_or_skip();
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(flat_bottoms),  cmocka_unit_test(short_bins),
-        cmocka_unit_test(rough_bottoms), cmocka_unit_test(several_beams),
-        cmocka_unit_test(unlike_beams),  cmocka_unit_test(open_water),
+        cmocka_unit_test(flat_bottoms),
+        cmocka_unit_test(short_bins),
+        cmocka_unit_test(rough_bottoms),
+        cmocka_unit_test(several_beams),
+        cmocka_unit_test(unlike_beams),
+        cmocka_unit_test(open_water),
+        cmocka_unit_test(samplers_that_do_not_learn),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     test_device_close(&t);

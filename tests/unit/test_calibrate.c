@@ -261,18 +261,25 @@ static void rare_echoes_count_in_bins_around(void **state) {
     }
 }
 
-/* Of many receivers those from LOW to HIGH share an error with B, in bins within REACH of each. */
+/* Of many receivers those from LOW to HIGH share an error with B, in bins within REACH of each: the mean over beams of
+ * their means over bins. What holds nothing says nothing; where all do, nothing is known. */
 static void check_many(size_t b, size_t low, size_t high, size_t reach) {
     for (size_t n = 0; n < BINS; n++) {
         double sum = 0.0, count = 0.0;
         for (size_t beam = low; beam <= high; beam++) {
+            double own = 0.0, bins = 0.0;
             for (size_t k = n > reach ? n - reach : 0; k <= n + reach && k < BINS; k++) {
-                sum += cells[beam * BINS + k].variance;
-                count += 1.0;
+                bool holds = cells[beam * BINS + k].mean > 0.0;
+                own += holds ? cells[beam * BINS + k].variance : 0.0;
+                bins += holds;
             }
+            sum += bins > 0.0 ? own / bins : 0.0;
+            count += bins > 0.0;
         }
+        bool holds = cells[b * BINS + n].mean > 0.0;
+        double own = holds ? 0.1 * cells[b * BINS + n].variance : 0.0;
         assert_close_relative(stated[b * BINS + n].of_block,
-                              sum / count + 0.1 * cells[b * BINS + n].variance, 1e-5);
+                              (count > 0.0 ? sum / count : 1.0) + own, 1e-5);
     }
 }
 
@@ -314,6 +321,24 @@ static void many_receivers_share_with_those_like_them(void **state) {
     }
 }
 
+/* Blanked bins, a beam that heard nothing, and bins that no beam heard anything in. */
+static void what_is_silent_says_nothing(void **state) {
+    (void)state;
+    fill(1.0);
+    for (size_t b = 0; b <= MOST_BEAMS; b++) {
+        receivers[b] = (asdic_beam){.length_h_m = 0.1, .length_v_m = 0.1};
+    }
+    for (size_t i = 0; i < MOST_BEAMS * BINS; i++) {
+        size_t b = i / BINS, n = i % BINS;
+        cells[i].variance = 1e-4 * (double)((1 + b * b % 7) * (1 + n));
+        cells[i].mean *= n < 3 || (n > 20 && n < 25) || b == 4 || (b < 12 && n == 33) ? 0.0 : 1.0;
+    }
+    calibrate(MOST_BEAMS, 3, 2);
+    for (size_t b = 0; b < MOST_BEAMS; b++) {
+        check_many(b, b > 8 ? b - 8 : 0, b + 8 < MOST_BEAMS ? b + 8 : MOST_BEAMS - 1, 1);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(bins_share_a_ratio),
@@ -324,6 +349,7 @@ int main(void) {
         cmocka_unit_test(water_errs_alike_in_all_bins),
         cmocka_unit_test(rare_echoes_count_in_bins_around),
         cmocka_unit_test(many_receivers_share_with_those_like_them),
+        cmocka_unit_test(what_is_silent_says_nothing),
     };
     assert_int_equal(asdic_context_create(&ctx), ASDIC_OK);
     int failed = cmocka_run_group_tests(tests, NULL, NULL);

@@ -151,8 +151,9 @@ ASDIC_API size_t asdic_simulator_sample_count(const asdic_simulator *sim);
 /* Teaches the adaptive sampler where rays matter, with a pilot ping at POSE; pings keep what was
  * learnt until the next call. For results that do not depend on who ran which ping, learn at ping
  * indices that are multiples of ASDIC_LEARN_BLOCK, at that ping's pose, and use it for the block;
- * missions do. Not calling it is allowed: pings are then a little noisier, never biased. No effect
- * with the other samplers. */
+ * missions do. Not calling it is allowed: pings are then a little noisier, never biased, but of 16
+ * receivers or more they state errors of 4.3 dB. With the other samplers it has the effect on these
+ * alone. */
 #define ASDIC_LEARN_BLOCK 32
 ASDIC_API asdic_status asdic_simulator_learn(asdic_simulator *sim, const asdic_pose *pose,
                                              uint64_t index);
