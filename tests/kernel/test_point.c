@@ -5,7 +5,7 @@
 
 static test_device t;
 
-/* SL - TL + TS and both beams at RANGE_M, bearing AZIMUTH and elevation DOWN of the bow. */
+/* SL - TL + TS and both beams at RANGE_M, bearing AZIMUTH and elevation DOWN of the bow; each leaks behind its face. */
 static double expected_db(const ping_rig *r, int beam, double range_m, double azimuth_rad,
                           double down_rad, double strength_db) {
     double alpha = asdic_environment_absorption_db_per_km(&r->env, r->sonar.frequency_hz, 7.0);
@@ -15,7 +15,8 @@ static double expected_db(const ping_rig *r, int beam, double range_m, double az
         double pitch = way ? r->receivers[beam].pitch_rad : r->sonar.transmitter.pitch_rad;
         double x = cos(down_rad) * cos(azimuth_rad), z = sin(down_rad);
         gain *= beam_pattern_lin(x * cos(pitch) + z * sin(pitch), cos(down_rad) * sin(azimuth_rad),
-                                 z * cos(pitch) - x * sin(pitch), side_wl, side_wl, 0.0);
+                                 z * cos(pitch) - x * sin(pitch), side_wl, side_wl,
+                                 pow(10.0, 0.1 * r->sonar.rear_floor_db));
     }
     return r->sonar.source_level_db + strength_db + 10.0 * log10(gain) - 40.0 * log10(range_m) -
            2.0 * (range_m - 1.0) * alpha / 1000.0;
@@ -46,10 +47,12 @@ static void points_meet_the_sonar_equation(void **state) {
     static const struct {
         double range_m, azimuth_deg, down_deg, strength_db;
     } points[] = {{0.8, 0, 0, -42.3},   {12.26, 0, 0, -42.3},   {30.1, 10, -5, 3.0},
-                  {55.2, -25, 20, -20}, {70.7, 60, -40, -60.0}, {74.3, 1, 1, 100.0}};
+                  {55.2, -25, 20, -20}, {70.7, 60, -40, -60.0}, {74.3, 1, 1, 100.0},
+                  {20.3, 151, 7, 10},   {45.4, -117, -3, 20}}; /* the last two behind the faces */
     enum { COUNT = sizeof points / sizeof *points };
     ping_rig r = empty_sea();
     r.sonar.source_level_db = 200.0;
+    r.sonar.rear_floor_db = -20.0;
     for (int i = 0; i < COUNT; i++) {
         assert_ok(t.ctx,
                   asdic_scene_add_point(r.scene, "sphere",
