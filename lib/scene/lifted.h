@@ -18,6 +18,9 @@ static inline float asdic_lifted_z(double bend_per_m, const double v[3]) {
 /* A triangle on a layer's plane belongs to both layers; more than ADVANCE_ROOM of advance.cl, m. */
 #define ASDIC_LAYER_OVERLAP_M 1e-2
 
+/* Steps in which the origin of what is lifted in layers follows the sonar where nothing stays (placement.h), m. */
+#define ASDIC_LAYERED_STEP_M 256.0
+
 /* A view of the committed SCENE, which must outlive it, with a hierarchy of lifted triangles: for tracers and
  * placements. A flat triangle lifts to a curved one, of which an edge of length L leaves out at most
  * L^2 |BEND_PER_M| / 8: edges of what stays are halved until that is below 2 mm, or there are

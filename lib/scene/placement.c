@@ -28,11 +28,6 @@ static float largest_coordinate(const asdic_root *roots, size_t count) {
     return extent;
 }
 
-/* Roots of the movables, and of the rest where there is any. */
-static size_t root_count(const asdic_scene *scene) {
-    return scene->movable_count + (scene->still_root != DEV_EMPTY);
-}
-
 /* Heights that COUNT triangles are between, in the scene frame. */
 static void find_heights(const dev_triangle *triangles, size_t count, float *low, float *high) {
     *low = INFINITY;
@@ -44,13 +39,14 @@ static void find_heights(const dev_triangle *triangles, size_t count, float *low
     }
 }
 
-/* Lifts copy NTH, as the bend of its layer asks for. Copies of an object are in the layers that it reaches, from the
- * top down; one that is left over waits below all layers, where no ray is. */
+/* Lifts copy NTH, as the bend of its layer asks for, and finds its root. Copies of an object are in the layers that it
+ * reaches, from the top down; one that is left over is nowhere. */
 static void lift_copy(asdic_placement *p, size_t nth) {
     const asdic_scene *scene = p->scene;
     const asdic_movable *m = &scene->movables[nth];
     const dev_triangle *triangles = p->triangles + p->first[nth];
     double bend = scene->bend_per_m, shift = 0.0;
+    p->roots[nth] = (asdic_root){.word = DEV_EMPTY};
     if (scene->layers) {
         const dev_layer *layers = scene->layers;
         float low, high;
@@ -62,22 +58,28 @@ static void lift_copy(asdic_placement *p, size_t nth) {
         at += nth % scene->copies;
         bool used = at <= last && (nth % scene->copies == 0 ||
                                    layers[at].top_m - (float)ASDIC_LAYER_OVERLAP_M <= high);
-        at = used ? at : last;
+        if (!used) {
+            return;
+        }
         bend = layers[at].bend_per_m;
         shift = layers[at].shift_m;
-        shift += used || last == 0 ? 0.0 : (double)layers[1].shift_m - (double)layers[0].shift_m;
     }
     asdic_movable_refit(m, triangles, bend, shift, p->nodes, p->blocks);
+    p->roots[nth] = asdic_root_of(p->nodes, p->blocks, m->root);
 }
 
 /* The top over all roots. */
 static void join_roots(asdic_placement *p) {
-    size_t count = root_count(p->scene);
-    asdic_root *sorted = p->roots + p->scene->movable_count + 1;
+    size_t all = p->scene->movable_count + 1, count = 0;
+    asdic_root *sorted = p->roots + all;
     unsigned depth;
-    memcpy(sorted, p->roots, count * sizeof *sorted);
+    for (size_t i = 0; i < all; i++) {
+        if (p->roots[i].word != DEV_EMPTY) {
+            sorted[count++] = p->roots[i];
+        }
+    }
     asdic_top_build(p->nodes, sorted, count, &depth);
-    p->extent_m = largest_coordinate(p->roots, count);
+    p->extent_m = largest_coordinate(sorted, count);
 }
 
 static void copy_triangles(asdic_placement *p) {
@@ -95,6 +97,10 @@ static void copy_triangles(asdic_placement *p) {
         at += m->count;
     }
 }
+
+/* Steps of an origin that follows the sonar, m: half a millimetre is lost at half of one. What lies so far out is
+ * lifted high; layers are not to be that far apart. */
+#define FRAME_STEP_M 8192.0
 
 /* Whether any triangle of SCENE does not move. */
 static bool anything_stays(const asdic_scene *scene) {
@@ -118,6 +124,7 @@ asdic_status asdic_placement_create(const asdic_scene *scene, asdic_placement **
     p->scene = scene;
     p->origin_m = scene->origin_m;
     p->is_anchored = anything_stays(scene);
+    p->step_m = scene->layers ? ASDIC_LAYERED_STEP_M : FRAME_STEP_M;
     p->extent_m = scene->bvh.extent_m;
     p->parts = copy(scene->parts, scene->part_count, sizeof *p->parts);
     p->points = copy(scene->points, scene->point_count, sizeof *p->points);
@@ -135,10 +142,10 @@ asdic_status asdic_placement_create(const asdic_scene *scene, asdic_placement **
     }
     copy_triangles(p);
     for (size_t i = 0; i < scene->movable_count; i++) {
+        p->roots[i] = asdic_root_of(p->nodes, p->blocks, scene->movables[i].root);
         if (scene->layers) {
             lift_copy(p, i);
         }
-        p->roots[i] = asdic_root_of(p->nodes, p->blocks, scene->movables[i].root);
     }
     p->roots[scene->movable_count] =
         scene->movable_count > 0
@@ -198,19 +205,15 @@ void asdic_placement_move(asdic_placement *p, size_t movable, const asdic_pose *
     asdic_place_sphere(p->scratch_m, m->count, &p->parts[m->part], &lo, &hi);
     for (size_t i = movable * copies; i < (movable + 1) * copies; i++) {
         lift_copy(p, i);
-        p->roots[i] = asdic_root_of(p->nodes, p->blocks, scene->movables[i].root);
     }
     join_roots(p);
 }
 
-/* Steps of an origin that follows the sonar, m: half a millimetre is lost at half of one. */
-#define FRAME_STEP_M 8192.0
-
 asdic_vec3 asdic_placement_frame(const asdic_placement *p, asdic_vec3 position_m) {
     asdic_vec3 at = p->scene->origin_m;
     if (!p->is_anchored) {
-        at.x += FRAME_STEP_M * rint((position_m.x - at.x) / FRAME_STEP_M);
-        at.y += FRAME_STEP_M * rint((position_m.y - at.y) / FRAME_STEP_M);
+        at.x += p->step_m * rint((position_m.x - at.x) / p->step_m);
+        at.y += p->step_m * rint((position_m.y - at.y) / p->step_m);
     }
     return at;
 }

@@ -11,6 +11,7 @@ typedef struct asdic_placement {
     const asdic_scene *scene;
     asdic_vec3 origin_m; /* of the frame in which things are: the scene's, until it is centred */
     bool is_anchored;    /* something stays: the frame does, too */
+    double step_m;       /* in which a frame follows the sonar */
     asdic_part *parts;   /* the scene's, spheres as they are now */
     asdic_point *points; /* the scene's, positions as they are now */
     asdic_pose *poses;   /* of what moves, a movable with all its copies */

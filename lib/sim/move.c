@@ -6,6 +6,7 @@
 #include "base/context.h"
 #include "base/try.h"
 
+#include <math.h>
 #include <string.h>
 
 dev_part asdic_simulator_part(const asdic_part *part, size_t index) {
@@ -15,7 +16,22 @@ dev_part asdic_simulator_part(const asdic_part *part, size_t index) {
                       .size_m2 = (float)(4.0 * part->radius_m * part->radius_m)};
 }
 
+asdic_sonar_frame asdic_simulator_frame(const asdic_simulator *sim, asdic_vec3 position_m) {
+    const asdic_lift_room *room = &sim->setup.lift_room;
+    asdic_sonar_frame frame = {asdic_placement_frame(sim->placement, position_m), room->least_m};
+    double far = hypot(position_m.x - frame.origin_m.x, position_m.y - frame.origin_m.y);
+    bool moves = sim->setup.layer_count > 0 && sim->setup.scene->movable_count > 0;
+    while (moves && frame.reach_m < far + room->rays_m) {
+        frame.reach_m *= 2.0;
+    }
+    return frame;
+}
+
 asdic_status asdic_simulator_center(asdic_simulator *sim, asdic_vec3 position_m) {
+    double reach_m = asdic_simulator_frame(sim, position_m).reach_m;
+    if (reach_m != sim->setup.lift_room.reach_m) {
+        TRY(asdic_simulator_part_layers(sim, reach_m));
+    }
     if (!asdic_placement_center(sim->placement, position_m) || !sim->tracer) {
         return ASDIC_OK;
     }

@@ -28,6 +28,7 @@ void asdic_sight_finish(asdic_sight *sight) {
 static asdic_status create(asdic_simulator *sim) {
     const asdic_scene *scene = sim->setup.scene;
     TRY(asdic_placement_create(scene, &sim->sight.placement));
+    sim->sight.placement->step_m = sim->placement->step_m; /* one frame for light and sound */
     TRY(asdic_tracer_create(sim->device, scene, &sim->sight.tracer));
     asdic_placement_center(sim->sight.placement, sim->placement->origin_m);
     for (size_t i = 0; i < scene->movable_count; i++) {

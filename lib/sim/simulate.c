@@ -452,11 +452,12 @@ static asdic_status check_ping(const asdic_simulator *sim, const asdic_pose *pos
 
 /* How many of the COUNT pings at POSES go to the device at once: they see what moves in one frame. */
 static size_t count_together(const asdic_simulator *sim, const asdic_pose *poses, size_t count) {
-    asdic_vec3 frame = asdic_placement_frame(sim->placement, poses[0].position_m);
+    asdic_sonar_frame frame = asdic_simulator_frame(sim, poses[0].position_m);
     size_t together = 1;
     while (together < count && together < sim->setup.ping_batch) {
-        asdic_vec3 next = asdic_placement_frame(sim->placement, poses[together].position_m);
-        if (next.x != frame.x || next.y != frame.y) {
+        asdic_sonar_frame next = asdic_simulator_frame(sim, poses[together].position_m);
+        if (next.origin_m.x != frame.origin_m.x || next.origin_m.y != frame.origin_m.y ||
+            next.reach_m != frame.reach_m) {
             break;
         }
         together++;

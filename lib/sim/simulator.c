@@ -268,29 +268,59 @@ static void plan_work(asdic_simulator *sim, const asdic_water_column *water) {
     sim->setup.per_group = asdic_simulator_per_group(sim, rays < most ? rays : most);
 }
 
-/* What the device needs of the scene. */
-static asdic_status bring_scene(asdic_simulator *sim, const asdic_water_column *water) {
+/* What rays meet, as the water lifts it. */
+typedef struct lifted_view {
+    asdic_scene *lifted;
+    asdic_placement *placement;
+    asdic_tracer *tracer;
+} lifted_view;
+
+static void finish_view(lifted_view *view) {
+    asdic_tracer_destroy(&view->tracer);
+    asdic_placement_destroy(&view->placement);
+    asdic_scene_unlift(&view->lifted);
+}
+
+/* Of the scene as it was committed. */
+static asdic_status make_view(asdic_simulator *sim, lifted_view *view) {
     asdic_ray_kernel kernel = sim->setup.sampling.kernel;
     const asdic_scene *scene = sim->setup.scene;
     if (sim->setup.layer_count > 0) {
         TRY(asdic_scene_lift_layers(scene, sim->setup.layers, sim->setup.layer_count,
-                                    &sim->lifted));
-        scene = sim->lifted;
+                                    &view->lifted));
+        scene = view->lifted;
     } else if (sim->setup.bend_per_m != 0.0) {
-        TRY(asdic_scene_lift(scene, sim->setup.bend_per_m, &sim->lifted));
-        scene = sim->lifted;
+        TRY(asdic_scene_lift(scene, sim->setup.bend_per_m, &view->lifted));
+        scene = view->lifted;
     }
-    TRY(asdic_placement_create(scene, &sim->placement));
+    TRY(asdic_placement_create(scene, &view->placement));
     if (needs_triangles(sim)) {
-        TRY(asdic_tracer_create(sim->device, scene, &sim->tracer));
-        asdic_tracer_wait(sim->tracer, FEW_RAYS);
+        TRY(asdic_tracer_create(sim->device, scene, &view->tracer));
+        asdic_tracer_wait(view->tracer, FEW_RAYS);
     }
-    if (sim->tracer && sim->setup.layer_count > 0) { /* to the layers that they are in */
-        TRY(asdic_tracer_move_all(sim->tracer, sim->placement));
+    if (view->tracer && sim->setup.layer_count > 0) { /* to the layers that they are in */
+        TRY(asdic_tracer_move_all(view->tracer, view->placement));
     }
-    if (sim->tracer && kernel != ASDIC_RAY_KERNEL_AUTO) {
-        TRY(asdic_tracer_set_kernel(sim->tracer, asdic_tracer_kernel_name((size_t)kernel - 1)));
-    }
+    return view->tracer && kernel != ASDIC_RAY_KERNEL_AUTO
+               ? asdic_tracer_set_kernel(view->tracer, asdic_tracer_kernel_name((size_t)kernel - 1))
+               : ASDIC_OK;
+}
+
+/* Takes VIEW, which may be half made, and gives what there was. */
+static void swap_view(asdic_simulator *sim, lifted_view *view) {
+    lifted_view own = {sim->lifted, sim->placement, sim->tracer};
+    sim->lifted = view->lifted;
+    sim->placement = view->placement;
+    sim->tracer = view->tracer;
+    *view = own;
+}
+
+/* What the device needs of the scene. */
+static asdic_status bring_scene(asdic_simulator *sim, const asdic_water_column *water) {
+    lifted_view view = {0};
+    asdic_status status = make_view(sim, &view);
+    swap_view(sim, &view);
+    TRY(status);
     TRY(make_scatterers(sim, water));
     TRY(upload_materials(sim));
     TRY(upload_parts(sim));
@@ -343,23 +373,43 @@ static double round_up(double x) {
     return ldexp(ceil(8.0 * fraction), exponent - 3);
 }
 
-/* LAYERS in the scene frame. Lifted, none may touch another's: each is moved down by more than any is high, rounded
- * up so far that scenes whose poses and objects differ a little are lifted alike. */
+/* Lifted, no layer may touch another's out to REACH_M from the frame's origin: each is moved down by more than any is
+ * high, rounded up so far that scenes whose poses and objects differ a little are lifted alike. */
+static void part_layers(asdic_setup *setup, double reach_m) {
+    const asdic_lift_room *room = &setup->lift_room;
+    double wide2 = reach_m * reach_m + 0.25 * room->high_m * room->high_m;
+    double apart = round_up(1.1 * (2.0 * room->high_m + room->bend_per_m * wide2));
+    for (size_t i = 0; i < setup->layer_count; i++) {
+        setup->layers[i].shift_m =
+            (float)(apart * ((double)i - 0.5 * (double)(setup->layer_count - 1)));
+    }
+    setup->lift_room.reach_m = reach_m;
+}
+
+/* LAYERS in the scene frame. */
 static void place_layers(asdic_simulator *sim, const asdic_layers *layers, double depth_m) {
     const asdic_scene *scene = sim->setup.scene;
+    const asdic_sonar *sonar = &sim->setup.sonar;
+    asdic_lift_room *room = &sim->setup.lift_room;
     asdic_vec3 above = asdic_vec3_sub(scene->max_m, scene->origin_m);
     asdic_vec3 below = asdic_vec3_sub(scene->origin_m, scene->min_m);
     /* Of a box round the origin that holds the scene: objects may lie on one side of it. */
     asdic_vec3 size = {2.0 * fmax(above.x, below.x), 2.0 * fmax(above.y, below.y),
                        2.0 * fmax(above.z, below.z)};
-    double high = size.z + fabs(depth_m - scene->origin_m.z) +
-                  asdic_sonar_max_range_m(&sim->setup.sonar, 1500.0);
-    double wide2 = 0.25 * (size.x * size.x + size.y * size.y + high * high);
-    double most = 0.0;
+    *room = (asdic_lift_room){
+        .high_m =
+            size.z + fabs(depth_m - scene->origin_m.z) + asdic_sonar_max_range_m(sonar, 1500.0),
+        .rays_m = asdic_sonar_max_range_m(sonar, ASDIC_SOUND_MOST_MPS) *
+                  (ASDIC_SOUND_MOST_MPS / ASDIC_SOUND_LEAST_MPS),
+        .least_m = 0.5 * hypot(size.x, size.y),
+    };
+    if (scene->movable_count > 0) { /* a sonar in that box hears what moves beside it */
+        room->least_m = fmax(room->least_m, ASDIC_LAYERED_STEP_M) + room->rays_m;
+    }
     for (size_t i = 0; i < layers->count; i++) {
         const asdic_layer *l = &layers->layer[i];
         double bend = l->gradient_per_s / asdic_layer_speed_mps(l, scene->origin_m.z);
-        most = fmax(most, fabs(bend));
+        room->bend_per_m = fmax(room->bend_per_m, fabs(bend));
         bool empty = scene->triangle_count == 0 || l->top_m > scene->max_m.z + NEAR_M ||
                      l->bottom_m < scene->min_m.z - NEAR_M;
         empty = empty && scene->movable_count == 0; /* where those go is not known yet */
@@ -367,12 +417,38 @@ static void place_layers(asdic_simulator *sim, const asdic_layers *layers, doubl
                                            (float)fmin(l->bottom_m - scene->origin_m.z, 1e5),
                                            (float)bend, 0.0f, !empty};
     }
-    double apart = round_up(1.1 * (2.0 * high + most * wide2));
-    for (size_t i = 0; i < layers->count; i++) {
-        sim->setup.layers[i].shift_m =
-            (float)(apart * ((double)i - 0.5 * (double)(layers->count - 1)));
-    }
     sim->setup.layer_count = layers->count;
+    part_layers(&sim->setup, room->least_m);
+}
+
+/* As OLD has them. */
+static void move_alike(const asdic_placement *old, asdic_placement *placement) {
+    const asdic_scene *scene = placement->scene;
+    for (size_t i = 0; i < scene->movable_count / asdic_scene_copies(scene); i++) {
+        asdic_placement_move(placement, i, &old->poses[i]);
+    }
+    memcpy(placement->points, old->points, scene->point_count * sizeof *old->points);
+}
+
+asdic_status asdic_simulator_part_layers(asdic_simulator *sim, double reach_m) {
+    double before_m = sim->setup.lift_room.reach_m;
+    size_t bytes = sim->setup.layer_count * sizeof *sim->setup.layers;
+    lifted_view view = {0};
+    part_layers(&sim->setup, reach_m);
+    asdic_status status = make_view(sim, &view);
+    if (!status) {
+        move_alike(sim->placement, view.placement);
+        status = view.tracer ? asdic_tracer_move_all(view.tracer, view.placement) : ASDIC_OK;
+    }
+    status = status ? status : asdic_device_finish(sim->device);
+    status = status ? status : asdic_buffer_write(sim->buffers.layers, 0, bytes, sim->setup.layers);
+    if (status) {
+        part_layers(&sim->setup, before_m);
+    } else {
+        swap_view(sim, &view);
+    }
+    finish_view(&view);
+    return status;
 }
 
 /* How rays bend: as in one layer, which is fitted between the sonar and the bottom where there are more. */
@@ -498,9 +574,7 @@ void asdic_simulator_destroy(asdic_simulator **pointer) {
     asdic_points_finish(sim);
     asdic_truth_finish(sim);
     asdic_sight_finish(&sim->sight);
-    asdic_tracer_destroy(&sim->tracer);
-    asdic_placement_destroy(&sim->placement);
-    asdic_scene_unlift(&sim->lifted);
+    finish_view(&(lifted_view){sim->lifted, sim->placement, sim->tracer});
     asdic_calibration_destroy(&sim->learnt.calibration);
     asdic_store_destroy(sim);
     free(sim);

@@ -80,6 +80,13 @@ typedef struct asdic_ping_shot {
     const char *sums;         /* as RESULTS in reduce.cl, or of a fan in fan.cl */
 } asdic_ping_shot;
 
+/* How far layers lie apart that are lifted, see place_layers. */
+typedef struct asdic_lift_room {
+    double high_m, bend_per_m; /* of any layer, at most */
+    double rays_m;             /* as far as any comes from the sonar */
+    double reach_m, least_m;   /* they touch within so far from the frame's origin; at first */
+} asdic_lift_room;
+
 /* What is fixed when a simulator is made. */
 typedef struct asdic_setup {
     const asdic_scene *scene;
@@ -87,6 +94,7 @@ typedef struct asdic_setup {
         bend_per_m; /* of the water, over its sound speed at the scene frame's zero; 0: straight */
     dev_layer layers[ASDIC_PROFILE_POINTS + 1]; /* where rays follow more than that */
     size_t layer_count;                         /* 0: they do not */
+    asdic_lift_room lift_room;                  /* moves with the sonar, see asdic_sonar_frame */
     asdic_environment env;
     asdic_sonar sonar;
     asdic_beam *receivers; /* copy that sonar.receivers points to */
@@ -288,8 +296,20 @@ void asdic_store_destroy(asdic_simulator *sim);
 /* The scene's triangles on the device, or a buffer to point at when there are none. */
 asdic_buffer *asdic_simulator_triangles(const asdic_simulator *sim);
 
-/* Brings what moves into the frame of a sonar at POSITION_M (scene/placement.h), before it is aimed there. */
+/* In what a sonar sees what moves: a frame (scene/placement.h), and how far out from its origin layers lie apart. Both
+ * follow from its position alone. */
+typedef struct asdic_sonar_frame {
+    asdic_vec3 origin_m;
+    double reach_m;
+} asdic_sonar_frame;
+
+asdic_sonar_frame asdic_simulator_frame(const asdic_simulator *sim, asdic_vec3 position_m);
+
+/* Brings what moves into the frame of a sonar at POSITION_M, before it is aimed there. */
 asdic_status asdic_simulator_center(asdic_simulator *sim, asdic_vec3 position_m);
+
+/* Lifts the scene anew, with layers that lie apart out to REACH_M. */
+asdic_status asdic_simulator_part_layers(asdic_simulator *sim, double reach_m);
 
 /* What light meets: the scene as it stands now, without triangles NULL. The simulator's. */
 asdic_status asdic_simulator_look(asdic_simulator *sim, asdic_tracer **out);

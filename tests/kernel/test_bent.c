@@ -250,6 +250,87 @@ static void moved_objects_are_in_all_their_layers(void **state) {
     }
 }
 
+/* Lifted, layers lie higher the farther out they are, and not alike: at the distance from the origin at which those of a
+ * mixed layer and of the thermocline below would touch a box is met in its own layer alone, whether anything stays near
+ * the origin or not. Levels are those near the origin, and back there the bytes are. */
+static void what_moves_far_out_is_in_its_own_layers(void **state) {
+    (void)state;
+    for (int anchored = 0; anchored < 2; anchored++) {
+        ping_rig r = bent_rig(0.0, 2048u);
+        asdic_mesh *mesh = NULL;
+        asdic_pose at = {{14.0, 0.0, 7.5}, 0.0, 0.0, 0.4},
+                   behind = {.position_m = {-90.0, 0.0, 8.0}};
+        asdic_ping *pings[4];
+        r.env.sound_speed_profile =
+            (asdic_sound_profile){4, {0.0, 6.0, 9.0, 12.0}, {1500.0, 1500.0, 1470.0, 1469.0}};
+        r.pose.position_m.z = 3.0;
+        assert_ok(t.ctx, asdic_mesh_box(t.ctx, (asdic_vec3){1.0, 6.0, 2.4}, &mesh));
+        assert_ok(t.ctx, asdic_scene_add_moving_object(r.scene, "box", mesh, at,
+                                                       asdic_material_bottom(2.0)));
+        if (anchored) {
+            assert_ok(t.ctx, asdic_scene_add_object(r.scene, "pier", mesh, behind,
+                                                    asdic_material_bottom(2.0)));
+        }
+        asdic_mesh_destroy(&mesh);
+        asdic_simulator *sim = rig_simulator(&r);
+        for (int i = 0; i < 4; i++) {
+            assert_ok(t.ctx,
+                      asdic_ping_create(t.ctx, 1, asdic_simulator_bin_count(sim), &pings[i]));
+        }
+        const dev_layer *up = &sim->setup.layers[0], *low = up + 1;
+        double apart_m = low->shift_m - up->shift_m + 4.0;
+        double far_m = sqrt(2.0 * apart_m / (up->bend_per_m - low->bend_per_m));
+        double off_m = far_m - at.position_m.x + r.scene->origin_m.x;
+        asdic_pose poses[2] = {r.pose, r.pose}, there = at;
+        poses[1].position_m.x += off_m;
+        there.position_m.x += off_m;
+        assert_ok(t.ctx, asdic_simulator_ping(sim, &r.pose, 1, pings[0]));
+        assert_ok(t.ctx, asdic_simulator_move(sim, "box", &there));
+        assert_ok(t.ctx, asdic_simulator_pings(sim, poses, 0, 2, pings + 1));
+        assert_ok(t.ctx, asdic_simulator_move(sim, "box", &at));
+        assert_ok(t.ctx, asdic_simulator_ping(sim, &r.pose, 1, pings[3]));
+        assert_true(rig_same(pings[0], pings[3]));
+        assert_true(asdic_simulator_ping_batch(sim) > 1 && heard(pings[0], ASDIC_OBJECT));
+        difference d = compare(pings[2], pings[0], ASDIC_OBJECT);
+        difference all = compare(pings[2], pings[0], ASDIC_TOTAL);
+        print_message("%.0f m out: object %.3f dB r.m.s., all %.4f\n", far_m, d.rms_db, all.rms_db);
+        assert_true(d.rms_db < 0.1 && all.rms_db < 0.01);
+        for (int i = 0; i < 4; i++) {
+            asdic_ping_destroy(&pings[i]);
+        }
+        asdic_simulator_destroy(&sim);
+        rig_destroy(&r);
+    }
+}
+
+/* A box is in fewer layers at a time than it could be. Where it is not, nothing of it is met either: by a sonar that dives
+ * as far below it as layers are lifted apart. */
+static void what_moves_is_in_no_other_layer(void **state) {
+    (void)state;
+    ping_rig r = bent_rig(0.0, 1u << 14);
+    asdic_mesh *mesh = NULL;
+    const asdic_pose at = {{14.0, 0.0, 10.0}, 0.0, 0.0, 0.4};
+    r.env.sound_speed_profile =
+        (asdic_sound_profile){4, {0.0, 6.0, 9.0, 12.0}, {1500.0, 1499.0, 1490.0, 1489.0}};
+    asdic_scene_destroy(&r.scene);
+    assert_ok(t.ctx, asdic_scene_create(t.ctx, &r.scene));
+    assert_ok(t.ctx, asdic_mesh_box(t.ctx, (asdic_vec3){6.0, 6.0, 1.0}, &mesh));
+    assert_ok(t.ctx,
+              asdic_scene_add_moving_object(r.scene, "box", mesh, at, asdic_material_bottom(2.0)));
+    asdic_mesh_destroy(&mesh);
+    asdic_simulator *sim = rig_simulator(&r);
+    asdic_ping *ping = NULL;
+    double apart_m = sim->setup.layers[1].shift_m - sim->setup.layers[0].shift_m;
+    assert_true(sim->placement->scene->copies > 1);
+    r.pose.position_m.z = at.position_m.z + apart_m - 3.0;
+    assert_ok(t.ctx, asdic_ping_create(t.ctx, 1, asdic_simulator_bin_count(sim), &ping));
+    assert_ok(t.ctx, asdic_simulator_ping(sim, &r.pose, 0, ping));
+    assert_false(heard(ping, ASDIC_OBJECT));
+    asdic_ping_destroy(&ping);
+    asdic_simulator_destroy(&sim);
+    rig_destroy(&r);
+}
+
 /* A bottom that is kept is lifted once, in one layer or several, for sonars at about the same depth; pings are those
  * over one that is lifted anew. */
 static void kept_bottoms_stay_lifted(void **state) {
@@ -538,6 +619,8 @@ int main(void) {
         cmocka_unit_test(large_triangles_are_a_plane),
         cmocka_unit_test(moved_objects_are_those_built_there),
         cmocka_unit_test(moved_objects_are_in_all_their_layers),
+        cmocka_unit_test(what_moves_far_out_is_in_its_own_layers),
+        cmocka_unit_test(what_moves_is_in_no_other_layer),
         cmocka_unit_test(kept_bottoms_stay_lifted),
         cmocka_unit_test(layers_meet_quadrature),
         cmocka_unit_test(a_steep_thermocline_meets_quadrature),
