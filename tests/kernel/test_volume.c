@@ -123,12 +123,73 @@ static void fans_hear_the_same_water(void **state) {
     rig_destroy(&r);
 }
 
+/* What is heard in water of many layers by 32 receivers at once is what three of them hear: everything that a ping has,
+ * with mirrors, an object that has moved, a point, and what bins hold. */
+static void fans_hear_the_same_through_layers(void **state) {
+    enum { MANY = 32, FEW = 3 };
+    (void)state;
+    asdic_beam fan[MANY];
+    asdic_ping *ping[2];
+    for (int many = 0; many < 2; many++) {
+        ping_rig r = bent_rig(0.0, 4096u);
+        asdic_simulator *sim = NULL;
+        asdic_mesh *mesh = NULL;
+        asdic_pose at = {.position_m = {18.0, 0.0, 7.0}, .yaw_rad = 0.2};
+        r.env.sound_speed_profile = (asdic_sound_profile)LAKE;
+        for (size_t b = 0; b < MANY; b++) {
+            fan[b] = r.sonar.transmitter;
+            fan[b].yaw_rad = (double)b * 0.05;
+        }
+        r.sonar.receivers = fan;
+        r.sonar.receiver_count = many ? MANY : FEW;
+        r.sampling.sampler = ASDIC_SAMPLER_UNIFORM_SPHERE; /* the same rays for both */
+        r.sampling.multipath = ASDIC_MULTIPATH_BOUNDARIES;
+        r.sampling.truth = true;
+        assert_ok(t.ctx, asdic_mesh_sphere(t.ctx, 2.0, 24, &mesh));
+        assert_ok(t.ctx, asdic_scene_add_moving_object(r.scene, "ball", mesh, at,
+                                                       asdic_material_facet(45.0, 1e-3, 0.3)));
+        asdic_mesh_destroy(&mesh);
+        assert_ok(t.ctx,
+                  asdic_scene_add_point(r.scene, "point", (asdic_vec3){30.0, 4.0, 9.0}, 0.0));
+        assert_ok(t.ctx, asdic_scene_commit(r.scene));
+        assert_ok(t.ctx,
+                  asdic_simulator_create_with(t.ctx, t.device, r.scene, &r.env, &r.sonar,
+                                              &r.sampling, r.pose.position_m.z, &r.layout, &sim));
+        assert_ok(t.ctx, asdic_ping_create(t.ctx, r.sonar.receiver_count,
+                                           asdic_simulator_bin_count(sim), &ping[many]));
+        assert_ok(t.ctx, asdic_ping_add_truth(t.ctx, ping[many]));
+        at.position_m.x = 12.0;
+        assert_ok(t.ctx, asdic_simulator_move(sim, "ball", &at));
+        assert_ok(t.ctx, asdic_simulator_ping(sim, &r.pose, 0, ping[many]));
+        asdic_simulator_destroy(&sim);
+        rig_destroy(&r);
+    }
+    double sums[ASDIC_COMPONENT_COUNT] = {0.0}, around = 0.0;
+    for (size_t i = 0; i < FEW * ping[0]->bins; i++) {
+        for (int k = 0; k < ASDIC_COMPONENT_COUNT; k++) {
+            double few = ping[0]->intensity_lin[k][i];
+            double total = ping[0]->intensity_lin[ASDIC_TOTAL][i];
+            assert_close(ping[1]->intensity_lin[k][i], few, 1e-3 * few + 1e-5 * total + 1e-30);
+            sums[k] += few;
+        }
+        for (int path = 0; path < ASDIC_PATH_COUNT; path++) {
+            double few = ping[0]->truth->path[path][i];
+            assert_close(ping[1]->truth->path[path][i], few, 1e-3);
+            around += path == ASDIC_PATH_BY_SURFACE || path == ASDIC_PATH_BY_BOTTOM ? few : 0.0;
+        }
+    }
+    assert_true(sums[ASDIC_OBJECT] > 0.0 && sums[ASDIC_MULTIPATH] > 0.0 && around > 1.0);
+    asdic_ping_destroy(&ping[0]);
+    asdic_ping_destroy(&ping[1]);
+}
+
 int main(void) {
     t = test_device_open_or_skip();
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(water_meets_quadrature),
         cmocka_unit_test(stated_errors_are_honest),
         cmocka_unit_test(fans_hear_the_same_water),
+        cmocka_unit_test(fans_hear_the_same_through_layers),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     test_device_close(&t);
