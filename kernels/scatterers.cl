@@ -5,8 +5,11 @@
 #include "coherent.h"
 #include "echo.h"
 
-/* Rays end this share before a scatterer, so that facets that touch its own do not hide it. */
-#define SHORT_OF_SCATTERER 0.99998f
+/* Rays end before a scatterer by what a tracer may err, this share of the largest coordinates in play (TRACE_SKIN of
+ * intersect.h): facets that touch its own do not hide it, and the far side of a sheet is hidden. */
+#define SHORT_OF_SCATTERER 4.76837158e-7f
+/* Those to points end sooner, so that a point on a body's skin is seen, as in sim/points.c. */
+#define SHORT_OF_POINT 0.9999f
 
 /* A point of a patch as fractions of its edges. */
 static float2 fractions_of(__global const dev_patch *patch, uint k) {
@@ -98,6 +101,8 @@ __kernel void coherent_place(__global const dev_ping *ping, __global const dev_c
             vector_of((p.x - ping->origin[0]) - c->low[0], (p.y - ping->origin[1]) - c->low[1],
                       (p.z - ping->origin[2]) - c->low[2]);
         float range = sqrt(vector_dot(d, d)), unit = 1.0f / max(range, 1e-9f);
+        vector o = vector_of(ping->origin[0], ping->origin[1], ping->origin[2]);
+        float skin = SHORT_OF_SCATTERER * (2.0f * sqrt(vector_dot(o, o)) + range);
         dev_ray ray;
         for (int axis = 0; axis < 3; axis++) {
             ray.origin[axis] = ping->origin[axis];
@@ -105,7 +110,7 @@ __kernel void coherent_place(__global const dev_ping *ping, __global const dev_c
         ray.direction[0] = d.x * unit;
         ray.direction[1] = d.y * unit;
         ray.direction[2] = d.z * unit;
-        ray.t_max = SHORT_OF_SCATTERER * range;
+        ray.t_max = patch->kind == DEV_KIND_POINT ? SHORT_OF_POINT * range : range - skin;
         ray.source = slot;
         rays[slot] = ray;
 #endif

@@ -137,8 +137,13 @@ static void a_plate_has_its_lobes(void **state) {
     asdic_mesh *mesh = NULL;
     assert_ok(t.ctx, asdic_mesh_box(t.ctx, size, &mesh));
     compare_lobes(mesh, size, 0.0, 20.0 * log10(size.y * size.z / WAVELENGTH_M), 0.0);
-    print_message("60 degrees below\n");
-    compare_lobes(mesh, size, 0.0, 20.0 * log10(size.y * size.z / WAVELENGTH_M), 60.0 * RIG_DEGREE);
+    asdic_mesh_destroy(&mesh);
+    /* The far side of a sheet is not heard through the near one. */
+    const asdic_vec3 sheet = {0.0005, 0.2, 0.2};
+    print_message("a sheet, 60 degrees below\n");
+    assert_ok(t.ctx, asdic_mesh_box(t.ctx, sheet, &mesh));
+    compare_lobes(mesh, sheet, 0.0, 20.0 * log10(size.y * size.z / WAVELENGTH_M),
+                  60.0 * RIG_DEGREE);
     asdic_mesh_destroy(&mesh);
 }
 
@@ -223,6 +228,30 @@ static void nothing_goes_through_a_plate(void **state) {
     rig_destroy(&r);
 }
 
+/* A point just below the skin of a body, as one that lies on it may be, is heard; one deeper is not. */
+static void a_point_on_a_wall_is_heard(void **state) {
+    (void)state;
+    for (int deep = 0; deep < 2; deep++) {
+        ping_rig r = long_pulse();
+        asdic_mesh *mesh = NULL;
+        const asdic_pose wall = {.position_m = {RANGE_M, 0.0, 7.0}};
+        const asdic_vec3 at = {RANGE_M + (deep ? 8e-3 : 2e-3), 0.0, 7.0};
+        asdic_material quiet = asdic_material_of(asdic_law_find("lambert"));
+        assert_ok(t.ctx, asdic_material_set(t.ctx, &quiet, "lambert_db", -100.0));
+        assert_ok(t.ctx, asdic_mesh_plate(t.ctx, 0.5, 0.5, &mesh));
+        assert_ok(t.ctx, asdic_scene_add_object(r.scene, "wall", mesh, wall, quiet));
+        assert_ok(t.ctx, asdic_scene_add_point(r.scene, "p", at, 0.0));
+        asdic_simulator *sim = rig_simulator(&r);
+        asdic_ping *ping = array_shoot(&r, sim, 0);
+        assert_true(deep ? strength_db(&r, ping, RANGE_M) < -40.0
+                         : fabs(strength_db(&r, ping, RANGE_M)) < 0.5);
+        asdic_ping_destroy(&ping);
+        asdic_simulator_destroy(&sim);
+        asdic_mesh_destroy(&mesh);
+        rig_destroy(&r);
+    }
+}
+
 /* A smooth wall takes some times the scatterers that were asked for, not one a quarter of a wavelength. */
 static void a_wall_has_the_scatterers_asked_for(void **state) {
     (void)state;
@@ -252,6 +281,7 @@ int main(void) {
         cmocka_unit_test(a_cylinder_has_its_lobes),
         cmocka_unit_test(a_point_interferes_with_its_image),
         cmocka_unit_test(nothing_goes_through_a_plate),
+        cmocka_unit_test(a_point_on_a_wall_is_heard),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     test_device_close(&t);
