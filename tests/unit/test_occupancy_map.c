@@ -1,0 +1,320 @@
+/* Many pings: where something is. */
+#include "map_rig.h"
+
+#include "detect/evidence.h"
+
+#include <stddef.h>
+
+/* A quiet bin clears a cell on the axis by the likelihood ratio of 10 dB, and a cell where the
+ * two-way pattern is lower by that of as much less. */
+static void quiet_bins_clear_by_what_would_be_heard(void **state) {
+    (void)state;
+    map_rig r;
+    map_begin(&r, 2); /* two beams that are one: half the evidence from each */
+    map_look(&r);
+    for (int k = 0; k < 2; k++) {
+        double aside = k * 5.0 * DEGREE, x = 0.05 * 100e3 / SPEED * sin(aside) * acos(-1.0);
+        double gain = k ? pow(sin(x) / x, 4) : 1.0, snr = 10.0 * gain;
+        double ratio = 0.3 * snr / (1.0 + snr) - log1p(snr);
+        assert_close(map_at(&r, 30.1 * cos(aside), 30.1 * sin(aside)), MAP_PRIOR + ratio, 0.1);
+    }
+    assert_true(isnan(map_at(&r, 20.3, 15.0)) && isnan(map_at(&r, -0.5, 0.1)));
+    assert_true(isnan(map_at(&r, 55.0, 0.1)));
+    for (int i = 0; i < 20; i++) {
+        map_look(&r);
+    }
+    assert_close(map_at(&r, 10.3, 0.1), -10.0, 1e-6);
+    asdic_occupancy_destroy(&r.map);
+}
+
+/* An echo is shared by the arc it may come from: seen from one place alone, no cell is above even
+ * odds, however often; seen from another as well, the cell where the arcs cross is. */
+static void poses_tell_cells_apart(void **state) {
+    (void)state;
+    map_rig r;
+    map_begin(&r, 1);
+    r.intensity[40] = 40.0;
+    for (int i = 0; i < 5; i++) {
+        map_look(&r);
+    }
+    double shared = map_at(&r, 20.3, 0.1);
+    assert_true(shared > MAP_PRIOR + 1.0 && shared < 0.0);
+    double aside = map_at(&r, 20.3, 0.9);
+    assert_true(aside > MAP_PRIOR + 1.0 && aside < 0.0);
+    assert_true(map_at(&r, 18.3, 0.1) < -9.0);
+    r.pose = (asdic_pose){.position_m = {20.3, -20.2, 0.0}, .yaw_rad = 90.0 * DEGREE};
+    for (int i = 0; i < 5; i++) {
+        map_look(&r);
+    }
+    assert_true(map_at(&r, 20.3, 0.1) > 0.0);
+    assert_true(map_at(&r, 20.3, 1.6) < MAP_PRIOR);
+    assert_true(map_at(&r, 21.9, 0.1) < MAP_PRIOR); /* on the second arc, off the first */
+    asdic_occupancy_destroy(&r.map);
+}
+
+/* Cells of two bins' length, whose centres ahead lie in every other bin: an echo in one of those between is in the
+ * cell round it. */
+static void long_cells_hear_all_their_bins(void **state) {
+    (void)state;
+    map_rig r;
+    map_begin(&r, 1);
+    asdic_occupancy_destroy(&r.map);
+    asdic_vec3 low = {-1.0, -30.0, 0.0}, high = {60.0, 30.0, 0.0};
+    assert_ok(ctx, asdic_occupancy_create(ctx, low, high, 1.0, 0.01, 10.0, &r.map));
+    r.intensity[40] = 40.0; /* 20 to 20.5 m; centres are at 19.5 and 20.5 m */
+    for (int i = 0; i < 5; i++) {
+        map_look(&r);
+    }
+    const float *cell = r.map->log_odds + 21 * r.map->columns + 30; /* [20, 21) m */
+    assert_true((double)cell[0] > MAP_PRIOR + 1.0);
+    assert_true((double)cell[2 * r.map->columns] < MAP_PRIOR - 2.0);
+    assert_true((double)cell[-2 * (ptrdiff_t)r.map->columns] < MAP_PRIOR - 2.0);
+    asdic_occupancy_destroy(&r.map);
+}
+
+/* A strong echo ahead comes in by the side lobes of the beams at its sides: no arc there, while an
+ * object of its own at the same range is seen. */
+static void side_lobes_are_explained(void **state) {
+    (void)state;
+    for (int has_other = 0; has_other < 2; has_other++) {
+        map_rig r;
+        map_begin(&r, 3);
+        static const double yaw_deg[] = {-40.0, 0.0, 40.0};
+        for (int b = 0; b < 3; b++) {
+            r.beams[b].yaw_rad = yaw_deg[b] * DEGREE;
+            double x = 0.05 * 100e3 / SPEED * sin(yaw_deg[b] * DEGREE) * acos(-1.0);
+            double lobe = b == 1 ? 1.0 : pow(sin(x) / x, 2);
+            r.sonar.transmitter.length_h_m = 0.005; /* all are heard alike */
+            r.intensity[b * MAP_BINS + 40] = 1.0 + 1e4 * lobe;
+        }
+        assert_true(r.intensity[40] > 30.0); /* 15 dB above the background */
+        r.intensity[2 * MAP_BINS + 40] += has_other ? 2e4 : 0.0;
+        map_look(&r);
+        double side = 20.2 * sin(40.0 * DEGREE), ahead = 20.2 * cos(40.0 * DEGREE);
+        /* Some sixty cells share the echo: each is 1 - 0.99^60 re the rest. */
+        assert_true(map_at(&r, 20.4, 0.1) > MAP_PRIOR + 0.5);
+        assert_true(map_at(&r, ahead, -side) < MAP_PRIOR);
+        assert_int_equal(map_at(&r, ahead, side) > MAP_PRIOR + 0.5, has_other);
+        asdic_occupancy_destroy(&r.map);
+    }
+}
+
+/* Faces that hear 20 dB less from behind: an echo from ahead is no object astern of a beam that looks there. */
+static void echoes_through_the_rear_are_explained(void **state) {
+    (void)state;
+    map_rig r;
+    map_begin(&r, 2);
+    r.beams[1].yaw_rad = 180.0 * DEGREE;
+    r.sonar.rear_floor_db = -20.0;
+    r.pose.position_m.x = 30.0;
+    r.intensity[40] = 1.0 + 1e5;
+    r.intensity[MAP_BINS + 40] = 1.0 + 1e3;
+    map_look(&r);
+    assert_true(map_at(&r, 50.4, 0.1) > MAP_PRIOR + 0.5);
+    assert_true(map_at(&r, 9.9, 0.1) < MAP_PRIOR);
+    asdic_occupancy_destroy(&r.map);
+}
+
+/* On a floor that is known, 8 m below a beam that looks 30 degrees down, an echo at 16.25 m lies
+ * 14.1 m away and nowhere else; what is above the beam's height stays as it was. */
+static void echoes_lie_on_the_floor_that_is_known(void **state) {
+    (void)state;
+    map_rig r;
+    map_begin(&r, 1);
+    r.beams[0].pitch_rad = 30.0 * DEGREE;
+    r.sonar.transmitter.pitch_rad = 30.0 * DEGREE;
+    r.pose.position_m.z = r.depth_m = 4.0;
+    for (size_t i = 0; i < r.map->rows * r.map->columns; i++) {
+        r.map->floor_depth_m[i] = 12.0f;
+    }
+    r.intensity[32] = 40.0;
+    for (int i = 0; i < 5; i++) {
+        map_look(&r);
+    }
+    size_t row = (size_t)((14.1 + 1.0) / 0.25), column = (size_t)(30.1 / 0.25);
+    const float *floor_odds = r.map->part[ASDIC_OCCUPANCY_FLOOR] + row * r.map->columns + column;
+    assert_true((double)floor_odds[0] > MAP_PRIOR);
+    for (size_t off = 4; off < 12; off++) { /* a metre and more from there */
+        assert_true((double)floor_odds[off * r.map->columns] < MAP_PRIOR - 3.0);
+        assert_true((double)floor_odds[-(ptrdiff_t)(off * r.map->columns)] < MAP_PRIOR - 3.0);
+    }
+    /* Far off the beam is in the floor. */
+    assert_true(isnan(map_at(&r, 40.0, 0.1)));
+    asdic_occupancy_destroy(&r.map);
+}
+
+/* Cells are heard whose centres lie within the range: to the north, south, east and west of the sonar the
+ * farthest one 5 mm nearer than that, the next one a side farther. */
+static void cells_lie_at_their_centres(void **state) {
+    (void)state;
+    const double cell_m = 0.25, range_m = MAP_BINS * 0.5;
+    for (int k = 0; k < 4; k++) {
+        map_rig r;
+        map_begin(&r, 1);
+        asdic_occupancy_destroy(&r.map);
+        asdic_vec3 low = {-60.0, -60.0, 0.0}, high = {60.0, 60.0, 0.0};
+        assert_ok(ctx, asdic_occupancy_create(ctx, low, high, cell_m, 0.01, 10.0, &r.map));
+        r.sonar.bin_length_m = 0.5;
+        r.sonar.transmitter.length_v_m = r.beams[0].length_v_m =
+            1.0; /* flat: slant is no farther */
+        /* The centre of [row][column] is at -60 + 0.125 + 0.25 row. */
+        const double centre_m = -60.0 + (440 + 0.5) * cell_m; /* 50.125 */
+        double shift = centre_m - range_m + 0.005;
+        double c = cos(k * 90.0 * DEGREE), s = sin(k * 90.0 * DEGREE);
+        r.pose = (asdic_pose){
+            .position_m = {shift * c + 0.125 * fabs(s), shift * s + 0.125 * fabs(c), 0.0},
+            .yaw_rad = k * 90.0 * DEGREE};
+        map_look(&r);
+        for (int step = 0; step < 2; step++) {
+            size_t there = (size_t)(k < 2 ? 440 + step : 39 - step), here = 240;
+            size_t row = k % 2 ? here : there, column = k % 2 ? there : here;
+            assert_int_equal(isnan(r.map->log_odds[row * r.map->columns + column]), step);
+        }
+        asdic_occupancy_destroy(&r.map);
+    }
+}
+
+/* Where hardly anything is expected, a quiet look at a cell multiplies its odds by the mean of the ratios of
+ * its heights: that of the beam where it hears, 1 elsewhere. The share heard is the beam's height of that of
+ * all the water, cut off at the surface; unknown floors leave what is heard. */
+static void water_that_is_not_heard_says_nothing(void **state) {
+    (void)state;
+    static const double depth_m[] = {6.0, 1.0, 6.0, INFINITY};
+    static const float floor_m[] = {15.0f, 10.0f, NAN, 15.0f};
+    for (int i = 0; i < 4; i++) {
+        map_rig r;
+        asdic_evidence seen = {0};
+        map_begin(&r, 1);
+        asdic_occupancy_destroy(&r.map);
+        asdic_vec3 low = {-1.0, -30.0, 0.0}, high = {60.0, 30.0, 0.0};
+        assert_ok(ctx, asdic_occupancy_create(ctx, low, high, 0.25, 1e-9, 100.0, &r.map));
+        r.sonar.bin_length_m = 0.5;
+        r.depth_m = depth_m[i];
+        r.pose.position_m.z = isinf(depth_m[i]) ? 6.0 : depth_m[i];
+        for (size_t k = 0; k < r.map->rows * r.map->columns; k++) {
+            r.map->floor_depth_m[k] = floor_m[i];
+        }
+        const asdic_look look = look_of(&r);
+        assert_ok(ctx, asdic_evidence_create(ctx, &look, &seen));
+        assert_int_equal(seen.arcs, 1);
+        double ratio = seen.ratio[60], away_m = 30.125;
+        double above = fmin(-away_m * seen.headings[0].slope_low, depth_m[i]);
+        double heard = above + away_m * seen.headings[0].slope_high;
+        double all = isnan(floor_m[i]) || isinf(depth_m[i])
+                         ? heard
+                         : floor_m[i] - r.pose.position_m.z + depth_m[i];
+        assert_true(heard > 3.0 && heard <= all);
+        map_look(&r);
+        size_t row = (size_t)(31.1 / 0.25), column = (size_t)(30.1 / 0.25);
+        double prior = isnan(floor_m[i]) ? log(1e-9) : log(0.5e-9); /* half of it on the floor */
+        double got = (double)r.map->part[ASDIC_OCCUPANCY_WATER][row * r.map->columns + column];
+        assert_close(got, prior + log(1.0 + heard / all * (ratio - 1.0)), 1e-4);
+        asdic_evidence_finish(&seen);
+        asdic_occupancy_destroy(&r.map);
+    }
+}
+
+/* Over cells that are as far to all sides the same ping draws the same map whichever way the sonar looks, where a
+ * quarter turn is a number of whole headings. North is the first of these, and its neighbour the last. */
+static void maps_do_not_depend_on_the_compass(void **state) {
+    (void)state;
+    enum { SIDE = 81, MIDDLE = SIDE / 2, REACH = 30 };
+    float ahead[SIDE][SIDE] = {{0}};
+    for (int quarter = 0; quarter < 4; quarter++) {
+        map_rig r;
+        map_begin(&r, 1);
+        asdic_occupancy_destroy(&r.map);
+        const asdic_vec3 low = {-10.125, -10.125, 0.0}, high = {10.125, 10.125, 0.0};
+        assert_ok(ctx, asdic_occupancy_create(ctx, low, high, 0.25, 0.3, 10.0, &r.map));
+        assert_true(r.map->rows == SIDE && r.map->columns == SIDE);
+        r.beams[0].length_h_m = r.sonar.transmitter.length_h_m = 0.0507; /* 136 headings */
+        r.sonar.bin_length_m = 2.0;
+        r.sonar.bandwidth_hz = 0.5 * SPEED / r.sonar.bin_length_m;
+        r.background[0] = 1.0;
+        r.intensity[0] = r.intensity[2] = 40.0;
+        r.pose.yaw_rad = 90.0 * quarter * DEGREE;
+        map_look(&r);
+        const int to_north[] = {1, 0, -1, 0}, to_east[] = {0, 1, 0, -1};
+        size_t known = 0;
+        for (int along = 1; along < REACH; along++) {
+            for (int aside = -along; aside <= along; aside++) {
+                int row = MIDDLE + along * to_north[quarter] - aside * to_east[quarter];
+                int column = MIDDLE + along * to_east[quarter] + aside * to_north[quarter];
+                float now = r.map->log_odds[row * SIDE + column];
+                float *first = &ahead[along][MIDDLE + aside];
+                *first = quarter == 0 ? now : *first;
+                known += !isnan(now);
+                assert_int_equal(isnan(now), isnan(*first));
+                assert_true(isnan(now) || fabs((double)now - (double)*first) < 1e-4);
+            }
+        }
+        assert_true(known > 100);
+        asdic_occupancy_destroy(&r.map);
+    }
+}
+
+/* Fixed in the world, clipped, and no larger than memory. */
+static void maps_have_limits(void **state) {
+    (void)state;
+    map_rig r;
+    asdic_occupancy *map = NULL;
+    map_begin(&r, 1);
+    r.intensity[40] = 1e9;
+    map_look(&r);
+    double before = map_at(&r, 25.3, 0.1);
+    r.pose.position_m.x = 5.0;
+    map_look(&r);
+    assert_true(map_at(&r, 25.3, 0.1) > before);
+    assert_true(map_at(&r, 20.3, 0.1) < map_at(&r, 25.3, 0.1) + 3.0);
+    for (size_t i = 0; i < r.map->rows * r.map->columns; i++) {
+        double odds = (double)r.map->log_odds[i];
+        assert_true(isnan(odds) || fabs(odds) <= 10.0);
+    }
+    asdic_occupancy_destroy(&r.map);
+    asdic_vec3 low = {-1.0, -20.0, 0.0}, high = {60.0, 20.0, 0.0};
+    assert_status(ctx, asdic_occupancy_create(ctx, low, high, 1e-4, 0.01, 10.0, &map),
+                  ASDIC_ERROR_ARGUMENT);
+    assert_contains(asdic_context_error(ctx), "larger");
+}
+
+/* A look from nowhere, at nothing or through no water is none, and leaves the map as it was. */
+static void looks_have_limits(void **state) {
+    (void)state;
+    map_rig r;
+    map_begin(&r, 1);
+    map_look(&r);
+    float before = r.map->log_odds[100];
+    asdic_look good = look_of(&r), bad[6];
+    for (int i = 0; i < 6; i++) {
+        bad[i] = good;
+    }
+    bad[0].sound_speed_mps = 0.0;
+    bad[1].sound_speed_mps = NAN;
+    bad[2].pose.position_m.x = NAN;
+    bad[3].bins = 0;
+    bad[4].snr_db = NAN;
+    bad[5].depth_m = NAN;
+    for (int i = 0; i < 6; i++) {
+        assert_status(ctx, asdic_occupancy_add(ctx, r.map, &bad[i]), ASDIC_ERROR_ARGUMENT);
+        assert_memory_equal(&r.map->log_odds[100], &before, sizeof before);
+    }
+    assert_ok(ctx, asdic_occupancy_add(ctx, r.map, &good));
+    asdic_occupancy_destroy(&r.map);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(quiet_bins_clear_by_what_would_be_heard),
+        cmocka_unit_test(poses_tell_cells_apart),
+        cmocka_unit_test(long_cells_hear_all_their_bins),
+        cmocka_unit_test(side_lobes_are_explained),
+        cmocka_unit_test(echoes_through_the_rear_are_explained),
+        cmocka_unit_test(echoes_lie_on_the_floor_that_is_known),
+        cmocka_unit_test(cells_lie_at_their_centres),
+        cmocka_unit_test(water_that_is_not_heard_says_nothing),
+        cmocka_unit_test(maps_do_not_depend_on_the_compass),
+        cmocka_unit_test(maps_have_limits),
+        cmocka_unit_test(looks_have_limits),
+    };
+    return cmocka_run_group_tests(tests, context_begin, context_end);
+}
