@@ -98,6 +98,15 @@ typedef struct spot {
     double rate[ASDIC_OCCUPANCY_PARTS]; /* -ln(1 - p), by the map so far */
 } spot;
 
+/* Places in a cell at which an object may be, by index of heading and bin together, and the share of
+ * objects that are there; the rest of these is not heard. On an arc, so many heights at most. */
+#define MOST_HEIGHTS 8
+
+typedef struct place {
+    size_t at;
+    double share;
+} place;
+
 /* A ping's evidence, and what the map says of the cells of each heading and bin. */
 typedef struct update {
     asdic_occupancy *map;
@@ -105,30 +114,19 @@ typedef struct update {
     asdic_evidence seen;
     spot *spots;
     size_t spot_count;
-    double *rate;  /* their sum over the cells of [heading * bins + bin] */
-    double *empty; /* probability that all cells of headings within a beam's width are empty */
-    double *mean;  /* of the likelihood ratios over these */
+    double *rate;       /* their sum over the cells of [heading * bins + bin] */
+    double *empty;      /* probability that all cells of headings within a beam's width are empty */
+    double *mean;       /* of the likelihood ratios over these */
+    size_t most_ranges; /* of a cell that is longer than a bin, at most */
+    place *places;      /* of the spot in hand, with room for those of all arcs */
+    size_t place_count;
 } update;
 
-/* Places in a cell at which an object may be, by index of heading and bin together, and the share of
- * objects that are there; the rest of these is not heard. On an arc, so many heights at most; of a cell that is longer
- * than a bin, so many distances. */
-#define MOST_HEIGHTS 8
-#define MOST_RANGES 32
-#define MOST_PLACES 512
-
-typedef struct places {
-    size_t at[MOST_PLACES];
-    double share[MOST_PLACES];
-    size_t count;
-} places;
-
-static void add_place(const update *u, places *p, size_t heading, double range_m, double share) {
+static void add_place(update *u, size_t heading, double range_m, double share) {
     double bin = range_m / u->look->sonar->bin_length_m;
     size_t at = heading * u->seen.bins + (size_t)fmin(bin, (double)u->seen.bins - 1.0);
-    if (bin < (double)u->seen.bins && !isnan(u->seen.ratio[at]) && p->count < MOST_PLACES) {
-        p->at[p->count] = at;
-        p->share[p->count++] = share;
+    if (bin < (double)u->seen.bins && !isnan(u->seen.ratio[at])) {
+        u->places[u->place_count++] = (place){at, share};
     }
 }
 
@@ -137,8 +135,14 @@ static double floor_below(const update *u, const spot *s) {
     return isnan(floor_m) ? (double)INFINITY : floor_m - u->look->pose.position_m.z;
 }
 
+/* Bins that a cell is long; 1 where it is no longer than one. */
+static double ranges_of(const update *u, const spot *s) {
+    double count = ceil(2.0 * s->half_m / u->look->sonar->bin_length_m);
+    return fmin(fmax(count, 1.0), (double)u->most_ranges);
+}
+
 /* On the floor: in the arc that is nearest in elevation, if that hears it. */
-static void add_on_floor(const update *u, const spot *s, places *p) {
+static void add_on_floor(update *u, const spot *s) {
     const asdic_evidence *f = &u->seen;
     double below = floor_below(u, s), slope = below / s->plane_m, least = INFINITY;
     size_t best = 0;
@@ -151,27 +155,25 @@ static void add_on_floor(const update *u, const spot *s, places *p) {
         }
     }
     if (least < INFINITY) {
-        double count =
-            fmin(fmax(ceil(2.0 * s->half_m / u->look->sonar->bin_length_m), 1.0), MOST_RANGES);
+        double count = ranges_of(u, s);
         for (double i = 0.5; i < count; i += 1.0) {
             double plane_m = s->plane_m + (2.0 * i / count - 1.0) * s->half_m;
-            add_place(u, p, best, sqrt(plane_m * plane_m + below * below), 1.0 / count);
+            add_place(u, best, sqrt(plane_m * plane_m + below * below), 1.0 / count);
         }
     }
 }
 
 /* In the water of a long cell: as many distances as it has bins, of each the heights LOW_M to HIGH_M in as many steps
  * as they spread over bins. */
-static void add_column(const update *u, const spot *s, size_t heading, double low_m, double high_m,
-                       places *p) {
+static void add_column(update *u, const spot *s, size_t heading, double low_m, double high_m) {
     double bin_m = u->look->sonar->bin_length_m, height_m = high_m - low_m;
-    double count = fmin(ceil(2.0 * s->half_m / bin_m), MOST_RANGES);
+    double count = ranges_of(u, s);
     for (double i = 0.5; i < count; i += 1.0) {
         double plane_m = fmax(s->plane_m + (2.0 * i / count - 1.0) * s->half_m, 0.0);
         double spread_m = hypot(plane_m, fmax(fabs(low_m), fabs(high_m))) - plane_m;
         double heights = fmin(2.0 * floor(1.0 + spread_m / bin_m), MOST_HEIGHTS);
         for (double k = 0.5; k < heights; k += 1.0) {
-            add_place(u, p, heading, hypot(plane_m, low_m + k / heights * height_m),
+            add_place(u, heading, hypot(plane_m, low_m + k / heights * height_m),
                       height_m / (count * heights));
         }
     }
@@ -179,7 +181,7 @@ static void add_column(const update *u, const spot *s, size_t heading, double lo
 
 /* In the water: in each arc the part of its height between surface and floor, of all the water there
  * where that is known. */
-static void add_in_water(const update *u, const spot *s, places *p) {
+static void add_in_water(update *u, const spot *s) {
     const asdic_evidence *f = &u->seen;
     double above = u->look->depth_m, below = floor_below(u, s), heard_m = 0.0;
     double plane2 = s->plane_m * s->plane_m, bin_m = u->look->sonar->bin_length_m;
@@ -192,7 +194,7 @@ static void add_in_water(const update *u, const spot *s, places *p) {
         }
         heard_m += high - low;
         if (s->half_m > 0.0) {
-            add_column(u, s, a * f->azimuths + s->azimuth, low, high, p);
+            add_column(u, s, a * f->azimuths + s->azimuth, low, high);
             continue;
         }
         double least = low * high < 0.0 ? 0.0 : fmin(low * low, high * high);
@@ -200,19 +202,19 @@ static void add_in_water(const update *u, const spot *s, places *p) {
         double step = fmax(bin_m, 0.5 * u->map->cell_m);
         double heights = fmin(floor(1.0 + (far_m - near_m) / step), MOST_HEIGHTS);
         for (double i = 0.5; i < heights; i += 1.0) {
-            add_place(u, p, a * f->azimuths + s->azimuth, near_m + i / heights * (far_m - near_m),
+            add_place(u, a * f->azimuths + s->azimuth, near_m + i / heights * (far_m - near_m),
                       (high - low) / heights);
         }
     }
     double all_m = isfinite(above + below) ? fmax(heard_m, above + below) : heard_m;
-    for (size_t i = 0; i < p->count; i++) {
-        p->share[i] /= all_m;
+    for (size_t i = 0; i < u->place_count; i++) {
+        u->places[i].share /= all_m;
     }
 }
 
-static void find_places(const update *u, const spot *s, int part, places *p) {
-    p->count = 0;
-    (part == ASDIC_OCCUPANCY_FLOOR ? add_on_floor : add_in_water)(u, s, p);
+static void find_places(update *u, const spot *s, int part) {
+    u->place_count = 0;
+    (part == ASDIC_OCCUPANCY_FLOOR ? add_on_floor : add_in_water)(u, s);
 }
 
 /* -ln(1 - p), to 1e-9: most cells are empty, and their series is quick. */
@@ -223,28 +225,27 @@ static double rate_of(double log_odds) {
 
 /* Tells the places of a spot what the map says of its cell. */
 static void tell_places(update *u, const spot *s, int part) {
-    places p;
-    find_places(u, s, part, &p);
-    for (size_t i = 0; i < p.count; i++) {
-        u->rate[p.at[i]] += s->rate[part] * p.share[i];
+    find_places(u, s, part);
+    for (size_t i = 0; i < u->place_count; i++) {
+        u->rate[u->places[i].at] += s->rate[part] * u->places[i].share;
     }
 }
 
 /* Tells a cell what its places say: ln of their mean, where what is not heard says nothing. */
 static void tell_cell(update *u, const spot *s, int part) {
-    places p;
-    find_places(u, s, part, &p);
+    find_places(u, s, part);
     double sum = 0.0, share = 0.0;
-    for (size_t i = 0; i < p.count; i++) {
-        double own = s->rate[part] * p.share[i]; /* not among the others */
+    for (size_t i = 0; i < u->place_count; i++) {
+        const place *p = &u->places[i];
+        double own = s->rate[part] * p->share; /* not among the others */
         double others = own < 1e-5 ? 1.0 + own : exp(own);
-        double empty = fmin(u->empty[p.at[i]] * others, 1.0);
-        double ratio = u->seen.ratio[p.at[i]], mean = u->mean[p.at[i]], full = 1.0 - empty;
+        double empty = fmin(u->empty[p->at] * others, 1.0);
+        double ratio = u->seen.ratio[p->at], mean = u->mean[p->at], full = 1.0 - empty;
         double both = ratio > 1.0 && mean > 1.0 ? fmax(ratio, mean) : ratio * mean;
-        sum += p.share[i] * (empty * ratio + full * both) / (empty + full * mean);
-        share += p.share[i];
+        sum += p->share * (empty * ratio + full * both) / (empty + full * mean);
+        share += p->share;
     }
-    if (p.count > 0) {
+    if (u->place_count > 0) {
         float *log_odds = &u->map->part[part][s->cell];
         double limit = u->map->limit;
         double after = (double)*log_odds + log(sum + fmax(1.0 - share, 0.0));
@@ -378,7 +379,10 @@ static asdic_status add(asdic_context *ctx, update *u) {
     TRY(find_spots(ctx, u));
     size_t count = u->seen.arcs * u->seen.azimuths * u->seen.bins;
     u->rate = calloc(3 * count + 1, sizeof *u->rate);
-    if (!u->rate) {
+    double across = ceil(sqrt(2.0) * u->map->cell_m / u->look->sonar->bin_length_m);
+    u->most_ranges = (size_t)fmin(across, (double)u->seen.bins);
+    u->places = malloc((u->seen.arcs * u->most_ranges * MOST_HEIGHTS + 1) * sizeof *u->places);
+    if (!u->rate || !u->places) {
         return asdic_fail_memory(ctx, "an occupancy map");
     }
     u->empty = u->rate + count;
@@ -416,6 +420,7 @@ asdic_status asdic_occupancy_add(asdic_context *ctx, asdic_occupancy *map, const
     asdic_status status = add(ctx, &u);
     free(u.spots);
     free(u.rate);
+    free(u.places);
     asdic_evidence_finish(&u.seen);
     return status;
 }

@@ -72,6 +72,49 @@ static void long_cells_hear_all_their_bins(void **state) {
     asdic_occupancy_destroy(&r.map);
 }
 
+/* A map of one long cell ahead, [0, SIDE_M) north: its log-odds after a look. */
+static double long_cell(map_rig *r, double side_m) {
+    asdic_vec3 low = {0.0, -0.5 * side_m, 0.0}, high = {side_m, 0.5 * side_m, 0.0};
+    asdic_occupancy_destroy(&r->map);
+    assert_ok(ctx, asdic_occupancy_create(ctx, low, high, side_m, 0.01, 10.0, &r->map));
+    assert_int_equal(r->map->rows * r->map->columns, 1);
+    map_look(r);
+    return (double)r->map->log_odds[0];
+}
+
+/* Of as many bins as there are: an echo in any of them speaks for an object in a cell of 40 m that a flat beam hears. */
+static void cells_as_long_as_the_range_hear_all_their_bins(void **state) {
+    (void)state;
+    map_rig r;
+    map_begin(&r, 1);
+    r.sonar.transmitter.length_v_m = r.beams[0].length_v_m = 1.0; /* slant is no farther */
+    double quiet = long_cell(&r, 40.0);
+    for (size_t n = 1; n < 80; n++) {
+        r.intensity[n] = 40.0;
+        assert_true(long_cell(&r, 40.0) > quiet + 0.01);
+        r.intensity[n] = 0.3;
+    }
+    asdic_occupancy_destroy(&r.map);
+}
+
+/* Without surface and floor an echo from below says as much of a long cell as one from above. */
+static void long_cells_hear_all_arcs(void **state) {
+    (void)state;
+    double heard[3];
+    for (size_t b = 0; b < 3; b++) {
+        map_rig r;
+        map_begin(&r, 3);
+        r.beams[0].pitch_rad = -30.0 * DEGREE;
+        r.beams[2].pitch_rad = 30.0 * DEGREE;
+        r.sonar.transmitter.length_v_m = 0.005; /* all are heard alike */
+        r.intensity[b * MAP_BINS + 56] = 40.0;
+        heard[b] = long_cell(&r, 30.0);
+        asdic_occupancy_destroy(&r.map);
+    }
+    assert_close(heard[2], heard[0], 1e-4);
+    assert_true(heard[1] > MAP_PRIOR);
+}
+
 /* A strong echo ahead comes in by the side lobes of the beams at its sides: no arc there, while an
  * object of its own at the same range is seen. */
 static void side_lobes_are_explained(void **state) {
@@ -307,6 +350,8 @@ int main(void) {
         cmocka_unit_test(quiet_bins_clear_by_what_would_be_heard),
         cmocka_unit_test(poses_tell_cells_apart),
         cmocka_unit_test(long_cells_hear_all_their_bins),
+        cmocka_unit_test(cells_as_long_as_the_range_hear_all_their_bins),
+        cmocka_unit_test(long_cells_hear_all_arcs),
         cmocka_unit_test(side_lobes_are_explained),
         cmocka_unit_test(echoes_through_the_rear_are_explained),
         cmocka_unit_test(echoes_lie_on_the_floor_that_is_known),
