@@ -357,8 +357,9 @@ static const cli_option options[] = {
      "flat (a plane below the vehicle), simulated (the scene without its objects; background.npy "
      "keeps it), cfar; else auto: flat, simulated over a bottom from a mesh or grid and with "
      "multipath over boundaries"},
-    {"cfar-cells", 0, "N", "bins on either side, else 8"},
-    {"cfar-guard", 0, "N", "bins left out next to the bin, else 2"},
+    {"cfar-cells", 0, "N",
+     "bins on either side, else 8; of bins shorter than a pulse those a pulse apart"},
+    {"cfar-guard", 0, "N", "such bins left out next to the bin, else 2"},
     {"truth", 0, "DB",
      "an object is in a bin when its echo is so strong re all else there, else 0"},
     {"cell", 0, "M", "side of the occupancy map's cells, else 0.5"},

@@ -210,23 +210,40 @@ static unsigned place_of(const ordered *o, double value) {
     return low;
 }
 
-/* Bins without energy do not count; nor do those before the first and after the last. */
-static bool counts(const double *row, size_t bins, size_t at) {
-    return at < bins && row[at] > 0.0;
+/* Every APART-th bin of a row. */
+typedef struct lane {
+    const double *first;
+    size_t count, apart;
+} lane;
+
+/* That which begins with bin FIRST. */
+static lane lane_of(const asdic_cfar_bins *row, size_t first) {
+    return (lane){row->intensity_lin + first, (row->count - first + row->apart - 1) / row->apart,
+                  row->apart};
 }
 
-static void add(ordered *o, const double *row, size_t bins, size_t at) {
-    if (counts(row, bins, at)) {
-        unsigned place = place_of(o, row[at]);
+static double value_at(const lane *l, size_t at) {
+    return l->first[at * l->apart];
+}
+
+/* Bins without energy do not count; nor do those before the first and after the last. */
+static bool counts(const lane *l, size_t at) {
+    return at < l->count && value_at(l, at) > 0.0;
+}
+
+static void add(ordered *o, const lane *l, size_t at) {
+    if (counts(l, at)) {
+        double value = value_at(l, at);
+        unsigned place = place_of(o, value);
         memmove(o->values + place + 1, o->values + place, (o->count - place) * sizeof(double));
-        o->values[place] = row[at];
+        o->values[place] = value;
         o->count++;
     }
 }
 
-static void take(ordered *o, const double *row, size_t bins, size_t at) {
-    if (counts(row, bins, at)) {
-        unsigned place = place_of(o, row[at]);
+static void take(ordered *o, const lane *l, size_t at) {
+    if (counts(l, at)) {
+        unsigned place = place_of(o, value_at(l, at));
         o->count--;
         memmove(o->values + place, o->values + place + 1, (o->count - place) * sizeof(double));
     }
@@ -234,26 +251,25 @@ static void take(ordered *o, const double *row, size_t bins, size_t at) {
 
 /* From the window of bin AT - 1 to that of bin AT. An index before the first wraps round to one beyond the
  * last. */
-static void step(ordered *o, const asdic_cfar *cfar, const double *row, size_t bins, size_t at) {
+static void step(ordered *o, const asdic_cfar *cfar, const lane *l, size_t at) {
     size_t guard = cfar->guard, cells = cfar->cells;
-    take(o, row, bins, at - 1 - guard - cells);
-    take(o, row, bins, at + guard);
-    add(o, row, bins, at - 1 - guard);
-    add(o, row, bins, at + guard + cells);
+    take(o, l, at - 1 - guard - cells);
+    take(o, l, at + guard);
+    add(o, l, at - 1 - guard);
+    add(o, l, at + guard + cells);
 }
 
 /* The mean of the window's bins round AT, and how many there are. */
-static double mean_of(const asdic_cfar *cfar, const double *row, size_t bins, size_t at,
-                      unsigned *count) {
+static double mean_of(const asdic_cfar *cfar, const lane *l, size_t at, unsigned *count) {
     double sum = 0.0;
     *count = 0;
     for (size_t k = cfar->guard + 1; k <= cfar->guard + cfar->cells; k++) {
-        if (counts(row, bins, at - k)) {
-            sum += row[at - k];
+        if (counts(l, at - k)) {
+            sum += value_at(l, at - k);
             ++*count;
         }
-        if (counts(row, bins, at + k)) {
-            sum += row[at + k];
+        if (counts(l, at + k)) {
+            sum += value_at(l, at + k);
             ++*count;
         }
     }
@@ -286,40 +302,52 @@ asdic_status asdic_cfar_check(asdic_context *ctx, const asdic_cfar *cfar) {
     return ASDIC_OK;
 }
 
-asdic_status asdic_cfar_row_scaled(asdic_context *ctx, const asdic_cfar *cfar, unsigned looks,
-                                   double pfa, const double *intensity_lin, size_t bins,
-                                   double *background_lin, double *threshold_lin,
-                                   asdic_cfar_scale *scales) {
+/* Estimate and threshold of the bins of lane L, which go to where these are in the row. */
+static asdic_status scale_lane(asdic_context *ctx, const asdic_cfar *cfar, unsigned looks,
+                               double pfa, const lane *l, double *background_lin,
+                               double *threshold_lin, asdic_cfar_scale *scales) {
     bool orders = cfar->kind == ASDIC_CFAR_OS;
     ordered near = {.count = 0};
     for (size_t k = cfar->guard; orders && k < cfar->guard + cfar->cells; k++) {
-        add(&near, intensity_lin, bins, k); /* of the bin before the first */
+        add(&near, l, k); /* of the bin before the first */
     }
-    for (size_t i = 0; i < bins; i++) {
+    for (size_t i = 0; i < l->count; i++) {
         unsigned count = 0;
         double found = 0.0;
         if (orders) {
-            step(&near, cfar, intensity_lin, bins, i);
+            step(&near, cfar, l, i);
             count = near.count;
             found = count ? near.values[rank_of(cfar, count) - 1] : 0.0;
         } else {
-            found = mean_of(cfar, intensity_lin, bins, i, &count);
+            found = mean_of(cfar, l, i, &count);
         }
-        background_lin[i] = threshold_lin[i] = NAN;
-        if (count > 0 && intensity_lin[i] > 0.0) {
+        size_t at = i * l->apart;
+        background_lin[at] = threshold_lin[at] = NAN;
+        if (count > 0 && value_at(l, i) > 0.0) {
             TRY(find_scale(ctx, cfar, looks, pfa, count, &scales[count]));
-            background_lin[i] = found / scales[count].bias;
-            threshold_lin[i] = found * scales[count].factor;
+            background_lin[at] = found / scales[count].bias;
+            threshold_lin[at] = found * scales[count].factor;
         }
     }
     return ASDIC_OK;
 }
 
+asdic_status asdic_cfar_row_scaled(asdic_context *ctx, const asdic_cfar *cfar, unsigned looks,
+                                   double pfa, const asdic_cfar_bins *row, double *background_lin,
+                                   double *threshold_lin, asdic_cfar_scale *scales) {
+    for (size_t first = 0; first < row->apart && first < row->count; first++) {
+        lane l = lane_of(row, first);
+        TRY(scale_lane(ctx, cfar, looks, pfa, &l, background_lin + first, threshold_lin + first,
+                       scales));
+    }
+    return ASDIC_OK;
+}
+
 double asdic_cfar_rate(const asdic_cfar *cfar, unsigned looks, double factor,
-                       const double *intensity_lin, size_t bins, size_t at,
-                       asdic_cfar_scale *scales) {
+                       const asdic_cfar_bins *row, size_t at, asdic_cfar_scale *scales) {
     unsigned count;
-    mean_of(cfar, intensity_lin, bins, at, &count);
+    lane l = lane_of(row, at % row->apart);
+    mean_of(cfar, &l, at / row->apart, &count);
     asdic_cfar_scale *s = &scales[count];
     if (s->rate == 0.0) {
         s->rate = asdic_cfar_pfa(cfar->kind, count, rank_of(cfar, count), looks, factor / s->bias);
@@ -334,7 +362,8 @@ asdic_status asdic_cfar_row(asdic_context *ctx, const asdic_cfar *cfar, unsigned
         return asdic_fail_null(ctx, __func__);
     }
     asdic_cfar_scale scales[ASDIC_CFAR_SCALES] = {0};
+    const asdic_cfar_bins row = {intensity_lin, bins, 1};
     TRY(asdic_cfar_check(ctx, cfar));
-    return asdic_cfar_row_scaled(ctx, cfar, looks, pfa, intensity_lin, bins, background_lin,
-                                 threshold_lin, scales);
+    return asdic_cfar_row_scaled(ctx, cfar, looks, pfa, &row, background_lin, threshold_lin,
+                                 scales);
 }

@@ -29,18 +29,22 @@ typedef struct asdic_cfar_scale {
 
 asdic_status asdic_cfar_check(asdic_context *ctx, const asdic_cfar *cfar);
 
-/* asdic_cfar_row of a CFAR that was checked, with SCALES[ASDIC_CFAR_SCALES] kept from row to row: of several looks each takes
- * thousands of integrals. */
+/* A row's bins as windows see them: those APART, whose speckle is independent, are neighbours. */
+typedef struct asdic_cfar_bins {
+    const double *intensity_lin;
+    size_t count, apart;
+} asdic_cfar_bins;
+
+/* asdic_cfar_row of a CFAR that was checked, with SCALES[ASDIC_CFAR_SCALES] kept from row to row:
+ * of several looks each takes thousands of integrals. */
 asdic_status asdic_cfar_row_scaled(asdic_context *ctx, const asdic_cfar *cfar, unsigned looks,
-                                   double pfa, const double *intensity_lin, size_t bins,
-                                   double *background_lin, double *threshold_lin,
-                                   asdic_cfar_scale *scales);
+                                   double pfa, const asdic_cfar_bins *row, double *background_lin,
+                                   double *threshold_lin, asdic_cfar_scale *scales);
 
 /* P_FA of a threshold FACTOR times the background estimated of bin AT of the row that was scaled last. FACTOR is the
  * same at every call. */
 double asdic_cfar_rate(const asdic_cfar *cfar, unsigned looks, double factor,
-                       const double *intensity_lin, size_t bins, size_t at,
-                       asdic_cfar_scale *scales);
+                       const asdic_cfar_bins *row, size_t at, asdic_cfar_scale *scales);
 
 /* P_FA of the threshold by cost of CELL of the ping that was scanned last, over a background that CFAR estimates. NAN
  * in K clutter, for which there is no closed form. */

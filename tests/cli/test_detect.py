@@ -203,6 +203,36 @@ output: {images: [], csv: none}
         tap.equal(pfa["low"] <= predicted <= pfa["high"], True, f"{predicted} in {pfa}")
 
 
+def test_neighbours_of_bins_shorter_than_a_pulse_are_a_pulse_apart():
+    """Four bins a pulse share speckle: means of as many bins in a row are those of few, and were exceeded three times as
+    often as they should be. Of 24 bins a pulse the guards were part of the echo: hardly ever. By cost the rate is said."""
+    need_device()
+    with Folder() as folder:
+        for bin_m, pings in (0.125, 60), (0.02, 15):
+            folder.write("noise.yaml", f"""version: 1
+bottom: none
+surface: {{enabled: false}}
+environment: {{sound_speed_mps: 1500}}
+sonar:
+  {{frequency_khz: 100, bandwidth_khz: 1.5, bin_length_m: {bin_m}, max_range_m: 100, ping_rate_hz: 5, source_level_db: 0,
+   receivers: [{{name: ahead}}], speckle: rayleigh}}
+mission: {{pose: {{position_m: [0, 0, 50]}}, pings: {pings}}}
+sampling: {{rays: 64}}
+output: {{images: [], csv: none}}
+""")
+            asdic("run", "noise.yaml", "-o", "out", "-f", "-q", cwd=folder.path).check(0)
+            for options in (("--cfar", "ca", "--pfa", "0.01"), ("--cfar", "os", "--pfa", "0.01"),
+                            ("--cfar", "ca", "--cost", "100")):
+                done = asdic("detect", "out", "-f", "--json", "-q", *options, cwd=folder.path).check(0)
+                report = json.loads(done.out)
+                none, pfa = report["confusion"][-1], report["pfa_measured"]
+                predicted = none["predicted"] / none["bins"]
+                tap.equal("--cost" in options or abs(predicted / 0.01 - 1) < 1e-9, True, f"{predicted}")
+                tap.equal(0.97 * pfa["low"] <= predicted <= 1.03 * pfa["high"], True,
+                          f"{bin_m} m, {options}: {predicted} in {pfa}")
+                tap.equal(pfa["high"] < 1.6 * pfa["value"], True, f"enough to see: {pfa}")
+
+
 # Eight beams of one degree, a quarter of a degree apart, and nothing to see.
 EMPTY = """version: 1
 bottom: {depth_m: 12, type: sand}

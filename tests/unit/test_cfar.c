@@ -271,13 +271,54 @@ static void factors_are_kept(void **state) {
     for (int i = 0; i < BINS; i++) {
         z[i] = 1.0 + 7 * i % 11;
     }
-    assert_ok(ctx,
-              asdic_cfar_row_scaled(ctx, &cfar, 4, 1e-2, z, BINS, background, threshold, scales));
+    const asdic_cfar_bins row = {z, BINS, 1};
+    assert_ok(ctx, asdic_cfar_row_scaled(ctx, &cfar, 4, 1e-2, &row, background, threshold, scales));
     for (int i = 0; i < BINS; i++) {
         unsigned count = window_round(&cfar, z, BINS, i, near);
         double found = near[(unsigned)ceil(0.75 * count) - 1];
         assert_close_relative(threshold[i], 3.0 * found, 1e-12);
         assert_close_relative(background[i], found / 2.0, 1e-12);
+    }
+}
+
+/* Windows of bins that are so many apart are those of rows of these alone. */
+static void bins_apart_are_neighbours(void **state) {
+    (void)state;
+    enum { BINS = 101, MOST = 40 };
+    double z[BINS], background[BINS], threshold[BINS], near[BINS], own[BINS], own_background[BINS],
+        own_threshold[BINS];
+    asdic_background b = {1.0, 1, INFINITY, 0.0};
+    asdic_detect_draw(&b, ASDIC_TARGET_SWERLING1, 0.0, 5, 0, BINS, z);
+    z[50] = 0.0;
+    for (int kind = 0; kind < 2; kind++) {
+        const asdic_cfar cfar = {(asdic_cfar_kind)kind, 4, 1, 0.75};
+        for (size_t apart = 1; apart <= MOST; apart += 3) {
+            asdic_cfar_scale scales[ASDIC_CFAR_SCALES] = {0};
+            const asdic_cfar_bins row = {z, BINS, apart};
+            assert_ok(ctx, asdic_cfar_row_scaled(ctx, &cfar, 1, 1e-2, &row, background, threshold,
+                                                 scales));
+            for (size_t first = 0; first < apart; first++) {
+                size_t count = 0;
+                for (size_t i = first; i < BINS; i += apart) {
+                    own[count++] = z[i];
+                }
+                assert_ok(ctx, asdic_cfar_row(ctx, &cfar, 1, 1e-2, own, count, own_background,
+                                              own_threshold));
+                for (size_t i = 0; i < count; i++) {
+                    size_t at = first + i * apart;
+                    assert_int_equal(isnan(threshold[at]), isnan(own_threshold[i]));
+                    if (!isnan(threshold[at])) {
+                        assert_close(threshold[at], own_threshold[i], 0.0);
+                        assert_close(background[at], own_background[i], 0.0);
+                        unsigned known = window_round(&cfar, own, (int)count, (int)i, near);
+                        assert_close(asdic_cfar_rate(&cfar, 1, 2.0, &row, at, scales),
+                                     asdic_cfar_pfa(cfar.kind, known, (3 * known + 3) / 4, 1,
+                                                    2.0 / scales[known].bias),
+                                     0.0);
+                    }
+                }
+            }
+        }
     }
 }
 
@@ -366,6 +407,7 @@ int main(void) {
         cmocka_unit_test(no_rate_is_above_one),
         cmocka_unit_test(rows_are_those_of_every_window),
         cmocka_unit_test(factors_are_kept),
+        cmocka_unit_test(bins_apart_are_neighbours),
         cmocka_unit_test(arguments_have_limits),
         cmocka_unit_test(a_row),
     };

@@ -27,8 +27,9 @@ ASDIC_API asdic_detector asdic_detector_default(void);
 
 typedef struct asdic_scan asdic_scan;
 
-/* CFAR NULL: against expected intensities; else against what the neighbouring bins hold. SONAR says
- * how many looks a bin has and what its speckle is; nothing is borrowed. */
+/* CFAR NULL: against expected intensities; else against what the neighbouring bins hold, of bins
+ * shorter than a pulse those a pulse apart, whose speckle is independent. SONAR says how many looks
+ * a bin has and what its speckle is; nothing is borrowed. */
 ASDIC_API asdic_status asdic_scan_create(asdic_context *ctx, const asdic_sonar *sonar,
                                          double sound_speed_mps, size_t bins,
                                          const asdic_detector *detector, const asdic_cfar *cfar,
