@@ -243,7 +243,7 @@ static asdic_status load_scene(asdic_detect_job *job) {
     return ASDIC_OK;
 }
 
-/* What a run's detection needs before its first ping. Files are opened before a background is
+/* What a run's detection needs before its first ping. Files and map are opened before a background is
  * simulated, which takes time: they may be refused. */
 static asdic_status begin(asdic_detect_job *job, const char *folder) {
     TRY(open_run(job, folder));
@@ -253,9 +253,9 @@ static asdic_status begin(asdic_detect_job *job, const char *folder) {
     TRY(allocate(job));
     TRY(asdic_detect_report_create(job));
     TRY(asdic_detect_open_files(job));
+    TRY(asdic_detect_create_map(job));
     TRY(find_parts(job));
-    TRY(choose_background(job));
-    return asdic_detect_create_map(job);
+    return choose_background(job);
 }
 
 static void finish(asdic_detect_job *job) {
