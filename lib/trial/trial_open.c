@@ -11,13 +11,17 @@
 #include "mission/scene_file/yaml_tree.h"
 #include "mission/scene_file/scene_file.h"
 
+#include "../../kernels/detection.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
 #define LEVEL 0.95
-#define NORMAL_95 1.959963984540054
+#define TAIL (0.5 * (1.0 - LEVEL))
+/* Runs whose spread is taken to be that of independent events, beside those that were flown. */
+#define MORE_RUNS 3.0
 #define MOST_BYTES ((size_t)1 << 32)
 
 /* --- figures ----------------------------------------------------------------------------------- */
@@ -26,14 +30,28 @@ static bool counts(const trial_row *row) {
     return row->flown.outcome < ASDIC_TRIAL_VOID;
 }
 
+/* A bound of the mean of a Poisson variate that was EVENTS, 1 or more (Garwood, Biometrika 28, 437
+ * (1936)). */
+static double poisson_bound(double events, bool upper) {
+    double low = 0.0, high = events + 12.0 * sqrt(events) + 30.0;
+    for (int i = 0; i < 60; i++) {
+        double middle = 0.5 * (low + high), below = poisson_below(events + upper, middle);
+        bool is_beyond = upper ? below < TAIL : 1.0 - below > TAIL;
+        *(is_beyond ? &high : &low) = middle;
+    }
+    return 0.5 * (low + high);
+}
+
 /* Needless manoeuvres over kilometres, a ratio of sums: its variance is that of the runs' residuals
- * (Cochran, Sampling Techniques, 3rd ed. (1977), equation (6.4)). Of none at all the upper bound is that of
- * a Poisson law, -ln(0.025) events. */
+ * (Cochran, Sampling Techniques, 3rd ed. (1977), equation (6.4)). EACH is that over the variance of
+ * independent events, of which there are then as many fewer or more; few runs tell little of a spread
+ * below theirs, which some more are taken to have. Of none at all the upper bound is that of a Poisson
+ * law, -ln(0.025) events. */
 static asdic_trial_figure rate_of(const asdic_trial *t, size_t variant, double events, double km,
                                   double runs) {
     double rate = km > 0.0 ? events / km : NAN, squares = 0.0;
     if (events == 0.0) {
-        return (asdic_trial_figure){rate, 0.0, -log(0.5 * (1.0 - LEVEL)) / km};
+        return (asdic_trial_figure){rate, 0.0, -log(TAIL) / km};
     }
     for (size_t i = 0; i < t->row_count; i++) {
         const asdic_trial_run *r = &t->rows[i].flown;
@@ -42,9 +60,14 @@ static asdic_trial_figure rate_of(const asdic_trial *t, size_t variant, double e
             squares += off * off;
         }
     }
-    double error = runs > 1.0 ? sqrt(squares * runs / (runs - 1.0)) / km : INFINITY;
-    return (asdic_trial_figure){rate, fmax(rate - NORMAL_95 * error, 0.0),
-                                rate + NORMAL_95 * error};
+    if (runs < 2.0) {
+        return (asdic_trial_figure){rate, 0.0, INFINITY};
+    }
+    double each = squares * runs / (runs - 1.0) / events;
+    each = fmax(each, (each * (runs - 1.0) + MORE_RUNS) / (runs - 1.0 + MORE_RUNS));
+    double independent = fmax(round(events / each), 1.0);
+    return (asdic_trial_figure){rate, rate * poisson_bound(independent, false) / independent,
+                                rate * poisson_bound(independent, true) / independent};
 }
 
 static void count_variant(asdic_trial *t, size_t variant) {
@@ -108,7 +131,7 @@ static asdic_status damaged(asdic_context *ctx, const char *path, const char *wh
                       why);
 }
 
-static uint64_t natural(const asdic_yaml_node *root, const char *key) {
+static uint64_t whole_number(const asdic_yaml_node *root, const char *key) {
     const asdic_yaml_node *node = asdic_yaml_child(root, key);
     return node && node->kind == ASDIC_YAML_SCALAR ? strtoull(node->text, NULL, 10) : 0;
 }
@@ -124,11 +147,11 @@ static bool take_facts(const asdic_yaml_node *root, trial_facts *f) {
     const asdic_yaml_node *key = asdic_yaml_child(root, "key");
     const asdic_yaml_node *values = asdic_yaml_child(root, "values");
     const asdic_yaml_node *rule = asdic_yaml_child(root, "rule");
-    *f = (trial_facts){.seed = natural(root, "seed"),
-                       .runs = natural(root, "runs"),
-                       .first = natural(root, "first"),
-                       .count = natural(root, "count"),
-                       .rays = (uint32_t)natural(root, "rays"),
+    *f = (trial_facts){.seed = whole_number(root, "seed"),
+                       .runs = whole_number(root, "runs"),
+                       .first = whole_number(root, "first"),
+                       .count = whole_number(root, "count"),
+                       .rays = (uint32_t)whole_number(root, "rays"),
                        .has_rule = rule && rule->text && strcmp(rule->text, "program") == 0};
     copy_text(root, "scene", f->scene, sizeof f->scene);
     copy_text(root, "hash", f->hash, sizeof f->hash);

@@ -3,6 +3,7 @@
  * that differ from all others; and what it says of files that are not those of a trial.
  */
 #include "asserts.h"
+#include "dice.h"
 #include "test_context.h"
 
 #include "lib/base/context.h"
@@ -124,12 +125,13 @@ static void assert_figure(asdic_trial_figure actual, asdic_trial_figure expected
     assert_close(actual.high, expected.high, 1e-12);
 }
 
-/* Of the first variant's 0.9 km with 1, 2 and 0 events in 0.1, 0.3 and 0.5 km: Cochran's (6.4). */
+/* Of the first variant's 0.9 km with 1, 2 and 0 events in 0.1, 0.3 and 0.5 km: 2.1 times the variance of
+ * independent ones (Cochran's (6.4)), of which there is then one: by a Poisson law it lies between
+ * -ln(0.975) and the mean u for which (1 + u) exp(-u) = 0.025. */
 static asdic_trial_figure first_rate(void) {
-    double rate = 3.0 / 0.9, off[3] = {1.0 - 0.1 * rate, 2.0 - 0.3 * rate, -0.5 * rate};
-    double error = sqrt(3.0 / 2.0 * (off[0] * off[0] + off[1] * off[1] + off[2] * off[2])) / 0.9;
-    return (asdic_trial_figure){rate, fmax(rate - 1.959963984540054 * error, 0.0),
-                                rate + 1.959963984540054 * error};
+    double rate = 3.0 / 0.9, u = 5.57164339093889;
+    assert_close((1.0 + u) * exp(-u), 0.025, 1e-14);
+    return (asdic_trial_figure){rate, -rate * log(0.975), rate * u};
 }
 
 static void figures_are_those_of_the_rows(void **state) {
@@ -167,6 +169,80 @@ static void figures_are_those_of_the_rows(void **state) {
     assert_close(b.paired_share, (1.0 - d * d) / (p * (1.0 - p) + q * (1.0 - q)), 1e-12);
     assert_true(isnan(a.mcnemar) && isnan(a.paired_share) && isnan(a.difference.value));
     asdic_trial_close(&t);
+}
+
+/* RUNS of 0.1 km each; NEEDLESS(RUN) says how often each gave way to nothing. */
+static asdic_trial_figure rate_of(size_t runs, unsigned (*needless)(size_t run)) {
+    static char text[100000];
+    asdic_trial *t = NULL;
+    size_t length = 0;
+    for (size_t i = 0; i < runs; i++) {
+        length += (size_t)snprintf(text + length, sizeof text - length,
+                                   "%zu,0,clear,,,10,100,20,1,9,%u,,30\n", i, needless(i));
+    }
+    assert_true(length < sizeof text - 1);
+    write_file("trial.csv", header, text);
+    snprintf(text, sizeof text,
+             "{\"scene\": \"reef\", \"hash\": \"c0ffee\", \"runs\": %zu, \"count\": %zu}", runs,
+             runs);
+    write_file("trial.json", text, "\n");
+    assert_ok(ctx, asdic_trial_open(ctx, folder, &t));
+    asdic_trial_figure rate = asdic_trial_get(t, 0).needless_per_km;
+    asdic_trial_close(&t);
+    return rate;
+}
+
+static double mean;    /* of a run */
+static unsigned clump; /* manoeuvres that come together */
+static uint64_t dice = 4;
+
+static unsigned by_chance(size_t run) {
+    (void)run;
+    unsigned count = 0; /* Poisson */
+    for (double left = mean / clump; (left += log(random_unit(&dice) + 1e-300)) > 0.0;) {
+        count++;
+    }
+    return clump * count;
+}
+
+static unsigned once(size_t run) {
+    (void)run;
+    return 1;
+}
+
+/* Bounds of 95 % are missed to either side by 2.5 % at most, where there are few events as well (of 2 or 3 by
+ * the spread alone, as if it were normal, by 15 %); and a few runs that are the same are not all there can be. */
+static void few_events_have_wide_bounds(void **state) {
+    (void)state;
+    enum { TRIALS = 600 };
+    static const struct {
+        size_t runs;
+        double mean;
+        unsigned clump;
+        double most; /* by which the bounds may be missed */
+    } cases[] = {{100, 0.03, 1, 0.025},
+                 {100, 0.1, 1, 0.025},
+                 {2, 0.5, 1, 0.025},
+                 {5, 0.5, 1, 0.025},
+                 {100, 0.4, 2, 0.05}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        size_t above = 0, below = 0;
+        mean = cases[i].mean;
+        clump = cases[i].clump;
+        for (int k = 0; k < TRIALS; k++) {
+            asdic_trial_figure rate = rate_of(cases[i].runs, by_chance);
+            above += mean / 0.1 > rate.high;
+            below += mean / 0.1 < rate.low;
+        }
+        print_message("%zu runs of %g: missed by %zu and %zu of %d\n", cases[i].runs, mean, above,
+                      below, TRIALS);
+        double most = cases[i].most * TRIALS, spread = 2.6 * sqrt(most);
+        assert_true((double)above < most + spread && (double)below < most + spread);
+    }
+    asdic_trial_figure few = rate_of(3, once), many = rate_of(1000, once);
+    assert_close(few.value, 10.0, 1e-12);
+    assert_true(few.low < 5.0 && few.high > 20.0);
+    assert_true(many.low > 9.9 && many.high < 10.1);
 }
 
 /* Everything behind KEY in TEXT up to the line's end is VALUE. */
@@ -748,6 +824,7 @@ int main(void) {
         cmocka_unit_test(rows_are_read),
         cmocka_unit_test(facts_are_read),
         cmocka_unit_test(figures_are_those_of_the_rows),
+        cmocka_unit_test(few_events_have_wide_bounds),
         cmocka_unit_test(results_are_written),
         cmocka_unit_test(figures_are_drawn),
         cmocka_unit_test(many_designs_have_numbers),
