@@ -390,7 +390,8 @@ static asdic_status join_parts(asdic_context *ctx, const asdic_trial_options *o)
         status = parts[i] ? ASDIC_OK : asdic_fail_memory(ctx, "a team");
     }
     if (!status) {
-        status = asdic_trial_merge(ctx, (const char *const *)parts, size, o->folder, o->force);
+        status = asdic_trial_merge(ctx, (const char *const *)parts, size, o->folder,
+                                   o->force || o->resume);
     }
     for (unsigned i = 0; parts && i < size; i++) {
         if (!status) {

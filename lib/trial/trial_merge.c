@@ -25,10 +25,13 @@ static asdic_status check_parts(asdic_context *ctx, asdic_trial **parts, size_t 
                 "these are parts of different trials: scene or its files, seed, runs, "
                 "rays or variants differ");
         }
-        if (b->first != a->first + a->count) {
-            return asdic_fail(ctx, ASDIC_ERROR_INPUT, "runs %llu to %llu are in no part, or in two",
-                              (unsigned long long)(a->first + a->count),
-                              (unsigned long long)b->first);
+        uint64_t end = a->first + a->count, own_end = b->first + b->count;
+        if (b->first != end) {
+            bool is_gap = b->first > end;
+            uint64_t behind = is_gap ? b->first : end < own_end ? end : own_end;
+            return asdic_fail(ctx, ASDIC_ERROR_INPUT, "runs %llu to %llu are in %s",
+                              (unsigned long long)(is_gap ? end : b->first),
+                              (unsigned long long)(behind - 1), is_gap ? "no part" : "two parts");
         }
     }
     return ASDIC_OK;
@@ -64,9 +67,10 @@ asdic_status asdic_trial_merge(asdic_context *ctx, const char *const *folders, s
     if (mkdir(folder, 0777) != 0 && errno != EEXIST) {
         return asdic_file_fail(ctx, folder, errno);
     }
-    if (!force && asdic_trial_has(folder, "trial.json")) {
-        return asdic_fail(ctx, ASDIC_ERROR_EXISTS, "'%s' holds a trial; --force replaces it",
-                          folder);
+    bool is_stopped = asdic_trial_has(folder, "trial.part.csv");
+    if (!force && (is_stopped || asdic_trial_has(folder, "trial.json"))) {
+        return asdic_fail(ctx, ASDIC_ERROR_EXISTS, "'%s' holds a trial%s; --force replaces it",
+                          folder, is_stopped ? " that was stopped" : "");
     }
     asdic_trial **parts = calloc(folder_count, sizeof *parts);
     asdic_status status = parts ? ASDIC_OK : asdic_fail_memory(ctx, "parts of a trial");

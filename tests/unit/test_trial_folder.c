@@ -562,7 +562,20 @@ static void parts_join_to_the_whole(void **state) {
         asdic_trial_close(&at_once);
     }
     assert_status(ctx, merge(orders[0], 3, false), ASDIC_ERROR_EXISTS);
-    assert_contains(asdic_context_error(ctx), "--force replaces it");
+    assert_contains(asdic_context_error(ctx), "holds a trial; --force replaces it");
+    /* Nor is one given up that can go on. */
+    static const char *const names[] = {"trial.json", "trial.csv", "trial.part.csv"};
+    char name[sizeof path + 40];
+    for (size_t i = 0; i < 2; i++) {
+        snprintf(name, sizeof name, "%s/%s", path, names[i]);
+        assert_int_equal(unlink(name), 0);
+    }
+    write_file("whole/trial.part.csv", header, "");
+    assert_status(ctx, merge(orders[0], 3, false), ASDIC_ERROR_EXISTS);
+    assert_contains(asdic_context_error(ctx), "holds a trial that was stopped; --force replaces");
+    snprintf(name, sizeof name, "%s/%s", path, names[2]);
+    assert_int_equal(access(name, F_OK), 0);
+    assert_ok(ctx, merge(orders[0], 3, true));
 }
 
 static void parts_that_do_not_fit_are_refused(void **state) {
@@ -573,9 +586,9 @@ static void parts_that_do_not_fit_are_refused(void **state) {
         unsigned first, count;
         const char *word, *other, *says;
     } wrong[] = {
-        {8, 1, "", "", "runs 9 to 10 are in no part, or in two"},
-        {8, 3, "", "", "runs 11 to 10 are in no part, or in two"},
-        {7, 3, "", "", "runs 8 to 7 are in no part, or in two"},
+        {8, 1, "", "", "runs 9 to 9 are in no part"},
+        {8, 3, "", "", "runs 10 to 10 are in two parts"},
+        {7, 3, "", "", "runs 7 to 7 are in two parts"},
         {8, 2, "\"seed\": 11", "\"seed\": 12", other_trial},
         {8, 2, "c0ffee", "c0ffed", other_trial},
         {8, 2, "depth_m", "width_m", other_trial},
