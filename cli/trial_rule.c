@@ -19,8 +19,6 @@
 typedef struct program {
     pid_t pid; /* 0: not running */
     int in, out;
-    bool has_run;
-    uint64_t run;
 } program;
 
 struct trial_programs {
@@ -193,6 +191,21 @@ static bool take(program *p, char answer[MOST_ANSWER], double timeout_s, double 
     }
 }
 
+/* Whether the program has said nothing since its last answer: another line would be taken for that to the next ping,
+ * and so on. */
+static bool is_quiet(program *p, char *why) {
+    char more;
+    if (!ready(p->out, POLLIN, 0.0)) {
+        return true;
+    }
+    if (read(p->out, &more, 1) == 1) {
+        snprintf(why, ASDIC_TRIAL_WHY, "the rule answered a ping with more than a line");
+    } else {
+        say_end(p, why);
+    }
+    return false;
+}
+
 /* The ping as serve writes it, with the vehicle's pose and what was detected. */
 static bool print_ping(const asdic_trial_look *look, char **text, size_t *length) {
     const asdic_loop_ping *ping = look->ping;
@@ -252,8 +265,8 @@ static bool converse(program *p, double timeout_s, const asdic_trial_look *look,
         return false;
     }
     double end_s = cli_clock_s() + timeout_s;
-    bool good = put(p, text, length, end_s, why) && take(p, answer, timeout_s, end_s, why) &&
-                read_answer(answer, order, why);
+    bool good = is_quiet(p, why) && put(p, text, length, end_s, why) &&
+                take(p, answer, timeout_s, end_s, why) && read_answer(answer, order, why);
     free(text);
     return good;
 }

@@ -644,13 +644,14 @@ def test_rules_that_fail_are_counted():
                               ('print(json.dumps({"z_m": -3}))', "z_m = -3, out of range"),
                               ('print(json.dumps({"pitch_deg": 4}))', "asks for pitch_deg; it can ask for z_m and"),
                               ('print("{" + 2000 * " " + "}")', "longer than 1023 characters"),
+                              ('print("{}\\n{}")', "answered a ping with more than a line"),
                               ("import time; time.sleep(60)", "did not answer within 0.5 s")):
             done = with_rule(folder, act, "--rule-timeout", "5" if "sleep" not in act else "0.5", code=1)
             tap.contains(done.err, sentence)
             tap.contains(done.err, "the rule failed in 2 runs")
             # They end where they begin, or a ping after one answer: 10 m above the bottom, less the hull.
             for row in rows(folder):
-                tap.equal((row["outcome"], row["distance_m"]), ("broken", "1.5" if 'print("{}")' in act else "0"), act)
+                tap.equal((row["outcome"], row["distance_m"]), ("broken", "1.5" if 'print("{}' in act else "0"), act)
                 tap.equal(abs(float(row["clearance_m"]) - (10 - HULL)) < 1e-6, True, row["clearance_m"])
         # One that ends after an answer, when nobody reads the next ping.
         done = with_rule(folder, 'import os, time; os.close(0); print("{}"); time.sleep(0.2); os._exit(4)', code=1)
