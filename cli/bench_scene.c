@@ -10,7 +10,9 @@
 
 /* Whether quadrature knows this scene: planes only, nothing that a mirror or a mesh changes. */
 static bool is_flat(const asdic_mission *mission) {
-    return asdic_mission_object_count(mission) == 0;
+    return asdic_mission_object_count(mission) == 0 &&
+           asdic_mission_sampling((asdic_mission *)mission)->multipath !=
+               ASDIC_MULTIPATH_BOUNDARIES;
 }
 
 asdic_status bench_scene_simulator(const bench *b, const bench_scene *s,
