@@ -100,6 +100,8 @@ asdic_status bench_scene_load(const bench *b, size_t index, bench_scene *out) {
     *out = (bench_scene){0};
     bench_name(path, out->name, sizeof out->name);
     TRY(asdic_mission_load(cli_context(b->c), path, &out->mission));
+    /* Coherent pings state no error, and are no means. */
+    asdic_mission_sampling(out->mission)->coherent = false;
     out->pose = asdic_mission_pose(out->mission, 0, NULL);
     out->sonar = *asdic_mission_sonar(out->mission);
     out->sonar.noise_enabled = false;

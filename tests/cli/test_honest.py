@@ -62,4 +62,19 @@ sampling: {rays: 10000, multipath: boundaries}
     tap.equal(0.5 < row["true_over_stated_all"] < 2 and row["truth_stderr_db"] > 0, True, f"{row}")
 
 
+def test_a_coherent_scene_is_measured_by_its_intensities():
+    """Its pings are one draw of their speckle each and state no error: errors were millions of times that."""
+    program.need_device()
+    with Folder() as folder:
+        path = folder.write("array.yaml", """version: 1
+bottom: {depth_m: 12, type: sand}
+sonar: {frequency_khz: 100, ping_rate_hz: 40, bin_length_m: 0.5, array: {elements: 8, beams: {count: 2, sector_deg: 20}}}
+mission: {pose: {position_m: [0, 0, 7]}}
+sampling: {rays: 4000, coherent: true}
+""")
+        done = program.asdic("bench", "honest", "--quick", "--json", path).check(code=0)
+    row = json.loads(done.out)["rows"][0]
+    tap.equal(0.5 < row["true_over_stated_all"] < 2, True, f"{row}")
+
+
 tap.main(globals())
