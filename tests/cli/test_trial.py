@@ -612,6 +612,70 @@ def test_a_rule_of_another_program():
             tap.equal((row["manoeuvres"], row["needless"], row["outcome"]), ("1", "1", "late"))
 
 
+# What docs/trials.md says of the rule, from what a program is told.
+FOLLOW = """
+import json, math, sys
+rule, beams = json.loads(sys.argv[1]), json.loads(sys.argv[2])
+for line in sys.stdin:
+    ping = json.loads(line)
+    if ping["ping"] == 0:
+        history, order, until = [], {}, 0
+    near = [d for d in ping["detections"] if d["range_m"] <= rule["reach_m"]
+            and abs(beams[d["beam"]]) <= rule["sector_deg"]
+            and 1 / (1 + math.exp(-d["llr"]) * 0.99 / 0.01) >= rule["posterior"]]
+    history = (history + [len(near) > 0])[-rule["of"]:]
+    if near and sum(history) >= rule["hits"]:
+        side = -1 if beams[max(near, key=lambda d: d["llr"])["beam"]] > 0 else 1
+        if "climb_m" in rule:
+            order = {"z_m": min(order.get("z_m", 1e9), ping["z_m"] - rule["climb_m"])}
+        elif not order or abs(math.remainder(order["yaw_deg"] - ping["yaw_deg"], 360)) < math.degrees(0.1):
+            order = {"yaw_deg": ping["yaw_deg"] + side * rule["turn_deg"]}
+        until = ping["time_s"] + rule["hold_s"]
+    elif ping["time_s"] >= until:
+        order = {}
+    print(json.dumps(order), flush=True)
+"""
+
+
+def test_a_program_that_keeps_the_scenes_rule_flies_as_it():
+    """Ping by ping: reach, sector, posterior, hits, the side to turn to, how long to hold, and back to the waypoints."""
+    program.need_device()
+    beams = {"port": -30, "ahead": 0, "starboard": 30}
+    rules = ({"turn_deg": 40, "reach_m": 20, "sector_deg": 180, "posterior": 0.02, "hits": 2, "of": 3, "hold_s": 3.5},
+             {"turn_deg": 70, "reach_m": 30, "sector_deg": 20, "posterior": 0.05, "hits": 1, "of": 1, "hold_s": 2.5},
+             {"climb_m": 1.5, "reach_m": 25, "sector_deg": 30, "posterior": 0.03, "hits": 3, "of": 6, "hold_s": 4.5})
+    fans = ", ".join(f"{{name: {name}, yaw_deg: {yaw}, length_h_m: 0.05, length_v_m: 0.05}}" for name, yaw in beams.items())
+    scene = WALL.replace("[{name: forward, length_h_m: 0.05, length_v_m: 0.05}]", f"[{fans}]").replace(
+        "pfa: 1.0e-4", "pfa: 0.01").replace("speckle:", "bandwidth_khz: 1.5\n  speckle:").replace(
+        "depth_m: 20", "depth_m: 200").replace("[0, 0, 10], [100, 0, 10]", "[0, 0, 60], [100, 0, 60]").replace(
+        "[60, 0, 10]", "[60, 0, 60]").replace("source_level_db: 200", "source_level_db: 170")
+    columns = ("outcome", "what", "pings", "manoeuvres", "needless")
+    manoeuvres = 0
+    for rule in rules:
+        with Folder() as folder:
+            what = "manoeuvre: " + ("climb" if "climb_m" in rule else "turn") + ", "
+            own = what + ", ".join(f"{key}: {value}" for key, value in rule.items())
+            path = folder.write("own.yaml", scene.replace("manoeuvre: turn, turn_deg: 150, reach_m: 20, hold_s: 1000", own))
+            other = folder.write("follow.py", FOLLOW)
+            fly(folder, path, 6)
+            wanted = rows(folder)
+            fly(folder, path, 6, "--rule", f"exec {sys.executable} {other} '{json.dumps(rule)}' '{json.dumps(beams)}'")
+            for a, b in zip(wanted, rows(folder)):
+                tap.equal([b[c] for c in columns], [a[c] for c in columns], f"{rule}: {a}")
+                for column in "time_s", "distance_m", "clearance_m":
+                    tap.equal(abs(float(a[column]) - float(b[column])) < 1e-6, True, f"{rule}: {a}, {b}")
+                manoeuvres += int(a["manoeuvres"])
+    tap.equal(manoeuvres > 30, True, f"{manoeuvres} manoeuvres")
+
+
+def test_without_a_limit_a_run_may_take_thrice_its_way():
+    with Folder() as folder:
+        scene = IDEAL.replace("PD", "1, pfa: 1").replace("  time_s: 45\n", "").replace("[100, 0, 10]", "[30, 0, 10]")
+        fly(folder, folder.write("off.yaml", scene), 1)
+        row, = rows(folder)
+        tap.equal((row["outcome"], 60 <= float(row["time_s"]) <= 61), ("late", True), f"{row}")  # of 20 s
+
+
 def test_a_scanned_head_is_turned():
     """What a head that goes round hears astern is not ahead, and it turns away from what it hears abeam."""
     program.need_device()
