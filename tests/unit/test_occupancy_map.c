@@ -88,7 +88,9 @@ static void cells_as_long_as_the_range_hear_all_their_bins(void **state) {
     map_rig r;
     map_begin(&r, 1);
     r.sonar.transmitter.length_v_m = r.beams[0].length_v_m = 1.0; /* slant is no farther */
+    r.background[0] = 1.0;
     double quiet = long_cell(&r, 40.0);
+    assert_close(quiet, MAP_PRIOR + 0.3 * 10.0 / 11.0 - log(11.0), 1e-3); /* as of any bin */
     for (size_t n = 1; n < 80; n++) {
         r.intensity[n] = 40.0;
         assert_true(long_cell(&r, 40.0) > quiet + 0.01);
@@ -184,6 +186,31 @@ static void echoes_lie_on_the_floor_that_is_known(void **state) {
     /* Far off the beam is in the floor. */
     assert_true(isnan(map_at(&r, 40.0, 0.1)));
     asdic_occupancy_destroy(&r.map);
+}
+
+/* Two beams, 10 and 26 degrees down, hear a floor 20 degrees down: the second looks to it, and what it hears there tells of
+ * it alone. */
+static void the_floor_is_asked_of_the_nearest_arc(void **state) {
+    (void)state;
+    for (size_t b = 0; b < 2; b++) {
+        map_rig r;
+        map_begin(&r, 2);
+        r.beams[0].pitch_rad = 10.0 * DEGREE;
+        r.beams[1].pitch_rad = 26.0 * DEGREE;
+        r.sonar.transmitter.length_v_m = 0.005; /* both are heard alike */
+        r.pose.position_m.z = r.depth_m = 4.0;
+        for (size_t i = 0; i < r.map->rows * r.map->columns; i++) {
+            r.map->floor_depth_m[i] = 12.0f;
+        }
+        r.intensity[b * MAP_BINS + 46] = 40.0; /* 23 to 23.5 m: 21.9 m away, 8 m below */
+        for (int i = 0; i < 5; i++) {
+            map_look(&r);
+        }
+        size_t row = (size_t)((21.9 + 1.0) / 0.25), column = (size_t)(30.1 / 0.25);
+        double odds = r.map->part[ASDIC_OCCUPANCY_FLOOR][row * r.map->columns + column];
+        assert_true(b == 1 ? odds > MAP_PRIOR : odds < MAP_PRIOR - 3.0);
+        asdic_occupancy_destroy(&r.map);
+    }
 }
 
 /* Cells are heard whose centres lie within the range: to the north, south, east and west of the sonar the
@@ -355,6 +382,7 @@ int main(void) {
         cmocka_unit_test(side_lobes_are_explained),
         cmocka_unit_test(echoes_through_the_rear_are_explained),
         cmocka_unit_test(echoes_lie_on_the_floor_that_is_known),
+        cmocka_unit_test(the_floor_is_asked_of_the_nearest_arc),
         cmocka_unit_test(cells_lie_at_their_centres),
         cmocka_unit_test(water_that_is_not_heard_says_nothing),
         cmocka_unit_test(maps_do_not_depend_on_the_compass),
