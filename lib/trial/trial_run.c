@@ -26,6 +26,8 @@
 #define HAIR_M 1e-9
 
 #define MOST_PINGS 1000000
+/* So near its end a run is over. */
+#define INSTANT_S 1e-9
 #define FASTEST_MPS 50.0
 /* One that is slower than this gets nowhere. */
 #define SLOWEST_MPS 0.01
@@ -301,11 +303,11 @@ static void find_cause(run *r) {
                      : ASDIC_TRIAL_SEEN_LATE;
 }
 
-/* To the next ping, or to where the run ends. */
-static void go_on(run *r) {
+/* To the next ping, or to where or when the run ends. */
+static void go_on(run *r, double end_s) {
     asdic_trial_run *out = r->out;
-    double hull_m = r->plan->hull_radius_m;
-    asdic_nearest near = fly(r, &r->pilot, r->gives_way ? &r->order : NULL, &r->time_s, r->step_s,
+    double hull_m = r->plan->hull_radius_m, seconds = fmin(r->step_s, end_s - r->time_s);
+    asdic_nearest near = fly(r, &r->pilot, r->gives_way ? &r->order : NULL, &r->time_s, seconds,
                              out->clearance_m + hull_m, hull_m, &out->distance_m);
     out->clearance_m = fmax(near.distance_m - hull_m, 0.0);
     if (near.distance_m <= hull_m) {
@@ -346,7 +348,7 @@ static asdic_status fly_all(run *r, asdic_eye *eye, char *why) {
         if (out->outcome == ASDIC_TRIAL_BROKEN) {
             return ASDIC_OK;
         }
-        go_on(r);
+        go_on(r, end_s);
         if (out->outcome == ASDIC_TRIAL_HIT) {
             find_cause(r);
             return ASDIC_OK;
@@ -354,7 +356,7 @@ static asdic_status fly_all(run *r, asdic_eye *eye, char *why) {
         if (asdic_pilot_is_done(&r->pilot)) {
             return ASDIC_OK;
         }
-        if (r->time_s >= end_s || out->pings == MOST_PINGS) {
+        if (r->time_s > end_s - INSTANT_S || out->pings == MOST_PINGS) {
             out->outcome = ASDIC_TRIAL_LATE;
             return ASDIC_OK;
         }

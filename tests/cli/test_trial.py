@@ -676,6 +676,24 @@ def test_without_a_limit_a_run_may_take_thrice_its_way():
         tap.equal((row["outcome"], 60 <= float(row["time_s"]) <= 61), ("late", True), f"{row}")  # of 20 s
 
 
+def test_a_run_ends_in_time():
+    """Not at the ping after that: what would be hit 1.2 s later, before it, is not. Nor with a ping more, where sums of
+    tenths are a little less than they should be."""
+    with Folder() as folder:
+        scene = IDEAL.replace("PD", "0").replace("[60, 0, 10]", "[40, 0, 10]")
+        path = folder.write("end.yaml", scene.replace("ping_rate_hz: 1", "ping_rate_hz: 0.1"))
+        fly(folder, path, 1, "--vary", "trial.time_s=24.5,26.5")
+        before, after = rows(folder)
+        tap.equal((before["outcome"], before["time_s"], before["distance_m"], before["pings"]),
+                  ("late", "24.5", "36.75", "3"))
+        tap.equal((after["outcome"], float(after["time_s"]) < 26.1), ("hit", True), f"{after}")
+        path = folder.write("tenths.yaml", scene.replace("ping_rate_hz: 1", "ping_rate_hz: 10"))
+        ends = [0.1 * k for k in (3, 6, 7, 12, 14, 17, 19, 23, 24, 28, 33, 34, 46, 57, 67, 69)]
+        fly(folder, path, 1, "--vary", "trial.time_s=" + ",".join(f"{end:.1f}" for end in ends))
+        tap.equal([(row["time_s"], row["pings"]) for row in rows(folder)],
+                  [(f"{end:.9g}", f"{10 * end:.0f}") for end in ends])
+
+
 def test_a_scanned_head_is_turned():
     """What a head that goes round hears astern is not ahead, and it turns away from what it hears abeam."""
     program.need_device()
