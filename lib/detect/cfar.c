@@ -109,6 +109,9 @@ double asdic_cfar_pfa(asdic_cfar_kind kind, unsigned count, unsigned rank, unsig
     if (!is_good(kind, count, rank, looks, factor)) {
         return NAN;
     }
+    if (isinf(factor)) { /* as of costs that nothing is worth */
+        return 0.0;
+    }
     if (kind == ASDIC_CFAR_CA) {
         double t = factor / (double)count, trials = (double)count * (double)looks;
         /* By itself the first term of many looks underflows. */
@@ -139,6 +142,9 @@ double asdic_cfar_pd(asdic_cfar_kind kind, unsigned count, unsigned rank, unsign
                      double factor, asdic_target target, double snr) {
     if (!is_good(kind, count, rank, looks, factor) || !(snr >= 0.0)) {
         return NAN;
+    }
+    if (isinf(factor)) {
+        return 0.0;
     }
     if (looks == 1 && target == ASDIC_TARGET_SWERLING1) {
         return asdic_cfar_pfa(kind, count, rank, 1, factor / (1.0 + snr));

@@ -191,6 +191,21 @@ static void means_of_many_looks(void **state) {
     }
 }
 
+/* Nothing is above a threshold of INFINITY. */
+static void infinite_thresholds_are_not_exceeded(void **state) {
+    (void)state;
+    for (int kind = 0; kind < 2; kind++) {
+        for (unsigned looks = 1; looks <= 3; looks++) {
+            asdic_cfar_kind of = (asdic_cfar_kind)kind;
+            assert_close(asdic_cfar_pfa(of, 16, 12, looks, INFINITY), 0.0, 0.0);
+            for (int target = 0; target < 4; target++) {
+                double pd = asdic_cfar_pd(of, 16, 12, looks, INFINITY, (asdic_target)target, 10.0);
+                assert_close(pd, 0.0, 0.0);
+            }
+        }
+    }
+}
+
 /* A threshold of 0 is always exceeded: with probability 1, not a rounding more. */
 static void no_rate_is_above_one(void **state) {
     (void)state;
@@ -404,6 +419,7 @@ int main(void) {
         cmocka_unit_test(large_factors_are_integrated),
         cmocka_unit_test(order_statistics_of_many_looks),
         cmocka_unit_test(means_of_many_looks),
+        cmocka_unit_test(infinite_thresholds_are_not_exceeded),
         cmocka_unit_test(no_rate_is_above_one),
         cmocka_unit_test(rows_are_those_of_every_window),
         cmocka_unit_test(factors_are_kept),
