@@ -23,7 +23,7 @@ double asdic_axis_step(double span, size_t max_count) {
 
 void asdic_axis_label(char label[24], double value, double step) {
     char number[ASDIC_DIGITS_SIZE];
-    char format[8] = "%.0f";
+    char format[16] = "%.0f";
     int decimals = step > 0.0 ? (int)ceil(-log10(step) - 1e-9) : 0;
     if (decimals > 0) {
         snprintf(format, sizeof format, "%%.%df", decimals > 9 ? 9 : decimals);
@@ -33,7 +33,8 @@ void asdic_axis_label(char label[24], double value, double step) {
     }
     /* Of large values as many digits as tell neighbours apart, as of Unix time; beyond 1e15 a double has none. */
     if (fabs(value) >= 1e15 || (fabs(value) >= 1e7 && step >= 1e6)) {
-        strcpy(format, "%.3g");
+        double digits = floor(log10(fabs(value))) - floor(log10(step) + 1e-9) + 1.0;
+        snprintf(format, sizeof format, "%%.%dg", (int)fmin(fmax(digits, 1.0), 9.0));
     }
     asdic_digits_print(number, format, fabs(value));
     snprintf(label, 24, "%s%.18s", value < 0.0 ? "\u2212" : "", number);

@@ -24,7 +24,7 @@ static asdic_status check_format(asdic_context *ctx, const asdic_picture_options
 }
 
 asdic_status asdic_picture_check(asdic_context *ctx, const asdic_picture_options *o) {
-    if (!isfinite(o->db_low) || !isfinite(o->db_high) || o->db_high - o->db_low < 1e-3) {
+    if (!isfinite(o->db_high - o->db_low) || o->db_high - o->db_low < 1e-3) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
                           "level window %g..%g dB is empty; give low < high", o->db_low,
                           o->db_high);

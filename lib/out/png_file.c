@@ -107,6 +107,7 @@ static void write_rows(png_job *job, const asdic_png *image) {
 
 static void encode(png_job *job, const asdic_png *image, FILE *stream) {
     png_set_write_fn(job->png, stream, on_write, on_flush);
+    png_set_user_limits(job->png, PNG_UINT_31_MAX, PNG_UINT_31_MAX); /* else a million pings */
     png_set_IHDR(job->png, job->info, (png_uint_32)image->width, (png_uint_32)image->height,
                  image->rgb ? 8 : 16, image->rgb ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_GRAY,
                  PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);

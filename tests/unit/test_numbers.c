@@ -294,6 +294,7 @@ static void ticks_lie_within(void **state) {
     check_ticks(axis_of(-0.25, 0.25, false), 5, "\u22120.2 \u22120.1 0.0 0.1 0.2");
     check_ticks(axis_of(0.11, 0.149, false), 4, "0.11 0.12 0.13 0.14");
     check_ticks(axis_of(1e7, 3e7, false), 2, "1e+07 2e+07 3e+07");
+    check_ticks(axis_of(1.699e9, 1.7015e9, false), 3, "1.699e+09 1.7e+09 1.701e+09");
     check_ticks(axis_of(9999990.0, 9999999.0, false), 2, "9999990 9999995");
     check_ticks(axis_of(1.7e9, 1.7e9 + 11.0, false), 5, "1700000000 1700000005 1700000010");
     check_ticks(axis_of(1.7e9, 1.7e9 + 1.0, false), 2, "1700000000.0 1700000000.5 1700000001.0");

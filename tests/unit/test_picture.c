@@ -114,6 +114,26 @@ static void raw_is_linear_in_the_window(void **state) {
     unlink(file_in_folder("g.png"));
 }
 
+/* Twenty-eight hours at 10 Hz: more rows than libpng allows unless asked. */
+static void raw_shows_a_million_pings(void **state) {
+    (void)state;
+    enum { PINGS = 1000001 };
+    float *levels_db = calloc(PINGS, sizeof *levels_db);
+    assert_non_null(levels_db);
+    const asdic_waterfall many = {
+        .levels_db = levels_db, .pings = PINGS, .bins = 1, .bin_length_m = 1.0};
+    asdic_picture_options options = asdic_picture_options_default();
+    assert_int_equal(asdic_picture_raw(ctx, file_in_folder("m.png"), &many, &options), ASDIC_OK);
+    free(levels_db);
+    uint8_t head[24];
+    FILE *file = fopen(file_in_folder("m.png"), "rb");
+    assert_non_null(file);
+    assert_int_equal(fread(head, 1, sizeof head, file), sizeof head);
+    assert_int_equal(head[20] << 24 | head[21] << 16 | head[22] << 8 | head[23], PINGS);
+    fclose(file);
+    unlink(file_in_folder("m.png"));
+}
+
 static void colormaps_have_their_published_ends(void **state) {
     (void)state;
     /* viridis, inferno: CC0 tables; cividis: Nunez et al. 2018; gray, copper: linear ramps. */
@@ -520,7 +540,7 @@ static void maps_follow_their_format_and_lines(void **state) {
 static void what_cannot_be_drawn_is_refused(void **state) {
     (void)state;
     const asdic_picture_options good = asdic_picture_options_default();
-    asdic_picture_options wrong[7] = {good, good, good, good, good, good, good};
+    asdic_picture_options wrong[8] = {good, good, good, good, good, good, good, good};
     wrong[0].db_low = -INFINITY;
     wrong[1].db_high = INFINITY;
     wrong[2].db_high = wrong[2].db_low + 0.95e-3;
@@ -528,12 +548,14 @@ static void what_cannot_be_drawn_is_refused(void **state) {
     wrong[4].tvg_db_per_m = NAN;
     wrong[5].colormap = ASDIC_COLORMAP_COUNT;
     wrong[6].format = (asdic_picture_format)99;
+    wrong[7].db_low = -1e308;
+    wrong[7].db_high = 1e308;
     const double bearing_rad[2] = {0.5, 0.5};
     const asdic_fan fan = {
         .levels_db = ramp_db, .bearing_rad = bearing_rad, .beams = 1, .bins = 8, .bin_length_m = 1};
     char path[256];
     snprintf(path, sizeof path, "%s", file_in_folder("r.png"));
-    for (size_t i = 0; i < 7; i++) {
+    for (size_t i = 0; i < 8; i++) {
         assert_int_equal(asdic_picture_raster(ctx, path, &ramp, &wrong[i]), ASDIC_ERROR_ARGUMENT);
         assert_int_equal(asdic_picture_fan(ctx, path, &fan, &wrong[i]), ASDIC_ERROR_ARGUMENT);
     }
@@ -627,6 +649,7 @@ int main(void) {
         cmocka_unit_test(window_is_minus_160_to_60),
         cmocka_unit_test(raster_byte_for_byte),
         cmocka_unit_test(raw_is_linear_in_the_window),
+        cmocka_unit_test(raw_shows_a_million_pings),
         cmocka_unit_test(colormaps_have_their_published_ends),
         cmocka_unit_test(gain_is_for_display_only),
         cmocka_unit_test(text_chunks_are_there),
