@@ -78,6 +78,21 @@ static asdic_status draw_panel(asdic_canvas *c, asdic_box box, const asdic_overv
     return ASDIC_OK;
 }
 
+#define LEAST_PX 10.0 /* of a name, as asdic_canvas_text_fit makes it */
+
+static double name_room(asdic_box box, const asdic_overview *o) {
+    return 0.94 * box.w / (double)o->beams;
+}
+
+/* Whether there are names that can be told apart below the columns; else these are numbered. */
+static bool has_names(asdic_box box, const asdic_overview *o, const char *const *names) {
+    bool fit = names && o->beams <= MOST_NAMES;
+    for (size_t i = 0; fit && i < o->beams; i++) {
+        fit = asdic_canvas_text_width(names[i], LEAST_PX) <= name_room(box, o);
+    }
+    return fit;
+}
+
 /* Names below the columns, each in the room it has. */
 static void name_beams(asdic_canvas *c, asdic_box box, const asdic_overview *o,
                        const char *const *names) {
@@ -89,7 +104,7 @@ static void name_beams(asdic_canvas *c, asdic_box box, const asdic_overview *o,
                                            .align_x = 0.5,
                                            .align_y = 1.0,
                                            .size_px = ASDIC_TEXT_PX},
-                              names[i], 0.94 * each);
+                              names[i], name_room(box, o));
     }
     asdic_canvas_text(c,
                       (asdic_text){.x = box.x + 0.5 * box.w,
@@ -129,7 +144,7 @@ asdic_status asdic_draw_overview(asdic_context *ctx, const char *path,
         asdic_canvas_set_style(&canvas, NULL);
         status = draw_panel(&canvas, p.box[i], overview, values[i], &p.scale[i], options->colormap);
         asdic_canvas_color(&canvas, INK_RGB);
-        if (axes->names && overview->beams <= MOST_NAMES) {
+        if (has_names(p.box[i], overview, axes->names)) {
             name_beams(&canvas, p.box[i], overview, axes->names);
         } else {
             asdic_canvas_axis_x(&canvas, p.box[i], &p.beams, false);

@@ -36,20 +36,28 @@ static void draw_panel(asdic_canvas *c, asdic_box box, const asdic_plot *plot, b
     }
 }
 
-/* Curves that the first panel's legend does not name get one beside the panel's title. */
-static void draw_own_legend(asdic_canvas *c, asdic_box box, const asdic_plot *plot,
-                            const asdic_plot *first) {
+/* Curves that the first panel's legend does not name get one beside the panel's title, which ends
+ * above BOX. Returns how much higher than a row it is; draws it on CANVAS unless that is NULL. */
+static double draw_own_legend(asdic_canvas *c, asdic_box box, const asdic_plot *plot,
+                              const asdic_plot *first) {
     for (size_t i = 0; i < first->series_count; i++) {
         const char *a = first->series[i].label,
                    *b = plot->series_count ? plot->series->label : NULL;
         if (!b || (a && strcmp(a, b) == 0)) {
-            return;
+            return 0.0;
         }
     }
     double room =
         plot->title ? asdic_canvas_text_width(plot->title, ASDIC_TEXT_PX) * 1.2 + 30.0 : 0;
-    asdic_canvas_legend(c, (asdic_box){box.x + room, box.y - 1.7 * ASDIC_TEXT_PX, box.w - room, 0},
-                        plot->series, plot->series_count);
+    asdic_box where = {box.x + room, box.y - 1.7 * ASDIC_TEXT_PX, box.w - room, 0};
+    double more = fmax(asdic_canvas_legend(NULL, where, plot->series, plot->series_count) -
+                           1.5 * ASDIC_TEXT_PX,
+                       0.0);
+    where.y -= more;
+    if (c) {
+        asdic_canvas_legend(c, where, plot->series, plot->series_count);
+    }
+    return more;
 }
 
 typedef struct page {
@@ -89,6 +97,9 @@ static page lay_out(const asdic_plot *panels, size_t count, const asdic_picture_
     p.width = p.left + BOX_WIDTH_PX + 2.0 * ASDIC_MARGIN_PX;
     p.height = p.first_y + (double)(count - 1) * p.pitch + p.panel_h + 3.6 * ASDIC_TEXT_PX +
                ASDIC_MARGIN_PX + asdic_canvas_note_room(note, p.left, p.width);
+    for (size_t i = 0; i < count; i++) {
+        p.height += draw_own_legend(NULL, none, &panels[i], panels);
+    }
     return p;
 }
 
@@ -104,10 +115,12 @@ asdic_status asdic_draw_plot(asdic_context *ctx, const char *path, const asdic_p
     }
     asdic_canvas_legend(&canvas, (asdic_box){p.left, p.legend_y, BOX_WIDTH_PX, 0.0},
                         panels[0].series, panels[0].series_count);
+    asdic_box box = {p.left, p.first_y, BOX_WIDTH_PX, p.panel_h};
     for (size_t i = 0; i < panel_count; i++) {
-        asdic_box box = {p.left, p.first_y + (double)i * p.pitch, BOX_WIDTH_PX, p.panel_h};
+        box.y += draw_own_legend(NULL, box, &panels[i], panels);
         draw_panel(&canvas, box, &panels[i], !p.common || i + 1 == panel_count);
-        draw_own_legend(&canvas, box, &panels[i], &panels[0]);
+        draw_own_legend(&canvas, box, &panels[i], panels);
+        box.y += p.pitch;
     }
     asdic_canvas_frame_text(&canvas, p.left, options->title, note);
     status = asdic_canvas_save(&canvas, path, options->texts);

@@ -193,8 +193,10 @@ static void waterfalls(void **state) {
 
 static void overviews(void **state) {
     (void)state;
-    static const size_t sizes[][2] = {{2, 1}, {60, 3}, {1001, 5}, {40, 512}};
-    static const char *const names[] = {"starboard_a", "starboard_b", "starboard_c", "d", "e"};
+    static const size_t sizes[][2] = {{2, 1}, {60, 3}, {1001, 5}, {9, 12}, {40, 512}};
+    static const char *const names[] = {"starboard_a", "starboard_b", "starboard_c", "d",
+                                        "e",           "beam5",       "beam6",       "beam7",
+                                        "beam8",       "beam9",       "beam10",      "beam11"};
     const asdic_overview_axes axes = {.names = names, .ping_period_s = 0.2};
     asdic_picture_options options = options_of("overview");
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
@@ -205,6 +207,7 @@ static void overviews(void **state) {
             asdic_overview_add(&o, levels_db, levels_db);
         }
         assert_ok(t.ctx, asdic_draw_overview(t.ctx, path, &o, &axes, &options));
+        assert_int_equal(times_written("starboard_a"), sizes[i][1] <= 5 ? 2 : 0);
         assert_legible("overview", 10);
         asdic_overview_finish(&o);
         free(levels_db);
@@ -235,6 +238,11 @@ static void ascopes(void **state) {
     for (size_t count = 1; count <= 8; count++) {
         assert_ok(t.ctx, asdic_picture_ascope(t.ctx, path, beams, count, &options));
         assert_int_equal(times_written("range (m)"), 1);
+        for (size_t i = 0; i < box_count;
+             i++) { /* whatever its rows, a legend is above its panel */
+            bool is_name = strcmp(boxes[i].text, beams[0].title) == 0;
+            assert_true(!is_name || boxes[i].bottom < only("0.4")->top);
+        }
         assert_legible("A-scope", 15);
     }
 }
