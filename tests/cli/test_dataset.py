@@ -2,6 +2,7 @@
 casts itself; read back by numpy, PIL and json, and by the package that Roboflow imports annotations with."""
 import json
 import os
+import re
 import shutil
 import subprocess
 
@@ -106,6 +107,31 @@ def test_the_same_bytes_whole_resumed_and_in_parts():
         tap.equal(sorted(files(folder / "merged")), sorted(whole), "a joined set stays where parts lack a frame")
 
 
+def test_frames_of_no_set_are_made_again():
+    """What joining parts left on a full disk, and frames whose dataset.json is gone."""
+    program.need_device()
+    with Folder() as folder:
+        path = scene(folder, rays=500)
+        make = ("dataset", path, "-n", "3", "--radius", "32")
+        asdic(*make, "-o", folder / "d").check(code=0)
+        asdic(*make, "--seed", "2", "-o", folder / "other").check(code=0)
+        whole, other = files(folder / "d"), files(folder / "other")
+        if os.path.exists("/dev/full"):
+            os.makedirs(folder / "m/levels")
+            os.symlink("/dev/full", folder / "m/levels/000001.npy")  # after frame 0
+            says(asdic("merge", folder / "d", "-o", folder / "m"), 1, "No space left")
+            os.remove(folder / "m/levels/000001.npy")
+            says(asdic(*make, "--seed", "2", "-o", folder / "m", "--resume"), 1, "cannot be resumed")
+            asdic(*make, "-o", folder / "m", "--resume").check(code=0)
+            tap.equal(files(folder / "m") == whole, True, "the whole")
+        for resume in ([], ["--resume"]):
+            shutil.copytree(folder / "d", folder / "e")
+            os.remove(folder / "e/dataset.json")
+            asdic(*make, "--seed", "2", "-o", folder / "e", *resume).check(code=0)
+            tap.equal(files(folder / "e") == other, True, "another seed's frames")
+            shutil.rmtree(folder / "e")
+
+
 def test_frames_of_other_depths_are_the_same_in_parts():
     """Sound is faster at depth: bins, automatic rays, speckle and one layer's fit hang on the sonar's depth, and frames
     of other depths share a scene."""
@@ -188,6 +214,39 @@ for form in ("polar", "bearing"):
         picture = np.array(Image.open("d/bearing/images16/000001.png"))
         assert levels.shape == (48, 140) and picture.shape == (140, 48)
         assert ((picture.T[:, ::-1] == 0) == np.isnan(levels)).all()
+""", folder / ".", "numpy, PIL")
+
+
+def test_pictures_are_levels_in_their_window():
+    """Greys from the levels by what docs/dataset.md says of gain, window and places; the window from frame 0."""
+    program.need_device()
+    with Folder() as folder:
+        asdic("dataset", scene(folder), "-n", "2", "--radius", "200", "-o", folder / "d").check(code=0)
+        said = asdic("model", "absorption", "t_degc=10", "s_ppt=35", "z_m=6", "ph=8", "f_khz=300").check(code=0).out
+        alpha = float(re.search(r"[-+.0-9e]+(?= dB/km)", said)[0])
+        python(f"""
+import json, numpy as np
+from PIL import Image
+set_ = json.load(open("d/dataset.json"))
+low, high = set_["low_db"], set_["high_db"]
+range_m = (np.arange(140) + 0.5) * 0.1
+shown = [np.load(f"d/levels/00000{{k}}.npy").astype(float) + 30 * np.log10(range_m) + 2 * {alpha} * range_m / 1000
+         for k in (0, 1)]
+ordered = np.sort(shown[0][np.isfinite(shown[0])])
+n = len(ordered)
+assert low == 10 * np.floor(ordered[n // 20] / 10), (low, ordered[n // 20])
+assert high == max(10 * np.ceil(ordered[n * 995 // 1000] / 10), low + 30), (high, ordered[n * 995 // 1000])
+grey = np.where(np.isnan(shown[1]), 0, 1 + 65534 * np.clip((shown[1] - low) / (high - low), 0, 1))
+picture = np.array(Image.open("d/bearing/images16/000001.png")).astype(int)
+assert abs(picture - grey.T[::-1]).max() < 1.5, abs(picture - grey.T[::-1]).max()
+polar = np.array(Image.open("d/polar/images16/000001.png")).astype(int)
+assert polar.shape == (200, 200), polar.shape  # sin 30 degrees to either side
+v, u = np.mgrid[0:200, 0:200] + 0.5
+r, bearing = np.hypot(200 - v, u - 100) / 200 * 140, np.degrees(np.arctan2(u - 100, 200 - v))
+inside = (r < 140) & (abs(bearing) < 30)
+clear = (abs(r % 1 - 0.5) < 0.45) & (abs((bearing + 30) / 1.25 % 1 - 0.5) < 0.45)  # of rounding
+wanted = np.where(inside, grey[np.clip((bearing + 30) / 1.25, 0, 47).astype(int), np.clip(r, 0, 139).astype(int)], 0)
+assert clear.sum() > 20000 and abs(polar - wanted)[clear].max() < 1.5, abs(polar - wanted)[clear].max()
 """, folder / ".", "numpy, PIL")
 
 

@@ -54,6 +54,7 @@ typedef struct dataset {
     asdic_dataset_options options;
     built kept[KEPT];
     size_t clock;
+    bool goes_on;   /* with the set in the folder, whose frames stay */
     double depth_m; /* of frame 0; NAN before it is loaded, which comes first */
     double low_db, high_db;
     /* The writer's thread takes what SLOTS hold, in turn. */
@@ -325,10 +326,11 @@ static void hand_over(dataset *d, slot *s) {
     pthread_mutex_unlock(&d->lock);
 }
 
+/* Without dataset.json nothing says of which set a frame is. */
 static bool is_there(const dataset *d, size_t index) {
     char path[4096];
     asdic_frame_path(path, d->options.folder, "frames", index, "txt");
-    return access(path, F_OK) == 0;
+    return d->goes_on && access(path, F_OK) == 0;
 }
 
 static asdic_status make_frames(dataset *d) {
@@ -454,6 +456,7 @@ static asdic_status make_set(dataset *d) {
     TRY(asdic_dataset_check(d->ctx, &d->options));
     TRY(look_at_first(d));
     TRY(asdic_dataset_enter(d->ctx, &d->options));
+    d->goes_on = asdic_dataset_is_in(d->options.folder);
     char hex[65];
     TRY(asdic_scene_inputs_hash(d->ctx, d->scene, hex));
     char *text = describe_set(d, hex);

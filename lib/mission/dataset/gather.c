@@ -346,12 +346,12 @@ static asdic_status merge(asdic_context *ctx, const char *const *parts, size_t c
     TRY(check_parts(ctx, parts, count, o->folder, o->frames));
     TRY(asdic_dataset_check(ctx, o));
     TRY(asdic_dataset_enter(ctx, o));
+    TRY(asdic_dataset_begin(ctx, o, set)); /* first: what a full disk leaves says what it is of */
     for (size_t k = 0; k < o->frames; k++) {
         const char *part = NULL;
         TRY(find_part(ctx, parts, count, k, &part));
         TRY(copy_frame(ctx, part, o->folder, k));
     }
-    TRY(asdic_dataset_begin(ctx, o, set));
     return asdic_dataset_gather(ctx, o);
 }
 
