@@ -174,6 +174,14 @@ def test_what_is_no_runs_stays():
         os.unlink(folder / "track.csv")
         tap.contains(asdic("merge", folder / "r", "-o", folder.path).check(code=1).err, "holds 'plan.png'")
         tap.equal(folder.read("plan.png"), "a plan of mine")
+        # What is left of a run whose records are gone is not the next one's.
+        os.mkdir(folder / "left")
+        for name in ("terrain.asc", "routes.csv", "truth.npy"):
+            folder.write("left/" + name, "of another scene")
+        folder.write("track.csv", track)
+        asdic("run", folder / "pool.yaml", "-o", folder / "left").check(code=1)
+        asdic("run", folder / "pool.yaml", "-o", folder / "left", "--force").check(code=0)
+        tap.equal(sorted(os.listdir(folder / "left")), sorted(os.listdir(folder / "r")), "files")
 
 
 def test_obstacles_are_replaced():

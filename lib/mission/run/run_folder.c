@@ -171,16 +171,15 @@ static asdic_status check_foreign(asdic_context *ctx, const char *folder) {
 
 asdic_status asdic_folder_prepare(asdic_context *ctx, const char *folder, bool force,
                                   bool can_resume) {
-    if (!asdic_folder_has_run(folder)) {
-        return force ? ASDIC_OK : check_foreign(ctx, folder);
+    if (force) { /* what is left of an earlier run, its terrain perhaps, must not be this one's */
+        return clear(ctx, folder);
     }
-    if (!force) {
-        return asdic_fail(
-            ctx, ASDIC_ERROR_EXISTS,
-            "'%s' holds a run already; use --force to replace it,%s or another folder", folder,
-            can_resume ? " --resume to continue it," : "");
-    }
-    return clear(ctx, folder);
+    return asdic_folder_has_run(folder)
+               ? asdic_fail(ctx, ASDIC_ERROR_EXISTS,
+                            "'%s' holds a run already; use --force to replace it,%s or another "
+                            "folder",
+                            folder, can_resume ? " --resume to continue it," : "")
+               : check_foreign(ctx, folder);
 }
 
 static int by_name(const void *a, const void *b) {
