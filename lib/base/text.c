@@ -1,5 +1,7 @@
 #include "text.h"
 
+#include "number.h"
+
 #include <asdic/common.h>
 
 #include <stdarg.h>
@@ -46,6 +48,8 @@ void asdic_text_add(asdic_text *text, const char *string) {
 }
 
 void asdic_text_format(asdic_text *text, const char *format, ...) {
+    locale_t before =
+        asdic_c_locale_enter(); /* files have a decimal point wherever they are read */
     va_list args, again;
     va_start(args, format);
     va_copy(again, args);
@@ -56,6 +60,7 @@ void asdic_text_format(asdic_text *text, const char *format, ...) {
     }
     va_end(again);
     va_end(args);
+    asdic_c_locale_leave(before);
 }
 
 /* The character of SIZE bytes at C. What JSON allows and YAML does not is escaped. */

@@ -11,6 +11,7 @@
 #include "base/sha256.h"
 #include "base/share.h"
 #include "base/text.h"
+#include "de_locale.h"
 
 #include <sched.h>
 #include <stdatomic.h>
@@ -60,6 +61,22 @@ static void text_grows_and_quotes(void **state) {
     char *empty = asdic_text_take(&text);
     assert_string_equal(empty, "");
     free(empty);
+}
+
+/* Files are read everywhere, whatever the locale of the program that writes them. */
+static void text_has_a_decimal_point(void **state) {
+    (void)state;
+    asdic_text text = {0};
+    if (!set_german_locale()) {
+        skip();
+    }
+    asdic_text_format(&text, "%.1f %g", 0.5, 1.25);
+    char comma[16];
+    snprintf(comma, sizeof comma, "%.1f", 0.5);
+    setlocale(LC_ALL, "C");
+    assert_string_equal(text.data, "0.5 1.25");
+    assert_string_equal(comma, "0,5"); /* the caller's locale is as it was */
+    asdic_text_finish(&text);
 }
 
 static void arena_gives_aligned_zeros(void **state) {
@@ -226,6 +243,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(sha256_meets_published_vectors),
         cmocka_unit_test(text_grows_and_quotes),
+        cmocka_unit_test(text_has_a_decimal_point),
         cmocka_unit_test(arena_gives_aligned_zeros),
         cmocka_unit_test(whole_numbers_are_whole),
         cmocka_unit_test(files_are_read_whole_or_refused),
