@@ -79,6 +79,7 @@ static asdic_status fake_ping(asdic_simulator *sim, uint64_t index, asdic_ping *
         ping->stderr_db[i] = 0.125f;
     }
     ping->rays = 1000;
+    ping->saturated = sim->device->saturated;
     return ASDIC_OK;
 }
 

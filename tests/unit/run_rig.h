@@ -19,11 +19,11 @@
 
 struct asdic_device {
     asdic_device_info info;
-    bool refuses;       /* to create a simulator */
-    size_t fails_after; /* pings */
-    size_t together;    /* pings that it takes at once; 0: one */
-    unsigned delay_us;
-    size_t pings, learnt; /* counted */
+    bool refuses;                 /* to create a simulator */
+    size_t fails_after;           /* pings */
+    size_t together;              /* pings that it takes at once; 0: one */
+    unsigned delay_us, saturated; /* a ping */
+    size_t pings, learnt;         /* counted */
 };
 
 typedef struct fixture {

@@ -4,9 +4,11 @@
 #include "run_rig.h"
 
 #include "base/clock.h"
+#include "de_locale.h"
 #include "mission/run/run_facts.h"
 #include "mission/run/run_files.h"
 #include "mission/run/run_records.h"
+#include "mission/run/run_size.h"
 #include "out/record.h"
 
 #include <fcntl.h>
@@ -14,6 +16,8 @@
 #include <signal.h>
 #include <stdio.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/statvfs.h>
 #include <unistd.h>
 
 /* The clock goes ON_S when a run's files are written to their end, which takes no time here. */
@@ -34,6 +38,21 @@ asdic_status __wrap_asdic_files_commit(asdic_files *files, bool is_whole) {
     return __real_asdic_files_commit(files, is_whole);
 }
 
+/* What a disk has left; 0: as it is. */
+static uint64_t disk_bytes;
+
+int __real_statvfs64(const char *path, struct statvfs *disk);
+int __wrap_statvfs64(const char *path, struct statvfs *disk);
+
+int __wrap_statvfs64(const char *path, struct statvfs *disk) {
+    int failed = __real_statvfs64(path, disk);
+    if (disk_bytes) {
+        disk->f_bavail = disk_bytes;
+        disk->f_frsize = 1;
+    }
+    return failed;
+}
+
 static double number_in(const char *json, const char *key) {
     const char *at = strstr(json, key);
     assert_non_null(at);
@@ -51,6 +70,32 @@ static void times_hold_what_the_end_takes(void **state) {
     assert_true(write_s >= ON_S && write_s <= whole_s);
     assert_true(whole_s < ON_S + 100.0);
     free(json);
+    end(&f);
+}
+
+/* Remarks and reasons, wherever the program that runs the mission is at home. */
+static void locales_change_no_text(void **state) {
+    (void)state;
+    size_t length;
+    fixture f;
+    begin(&f);
+    if (!set_german_locale()) {
+        end(&f);
+        skip();
+    }
+    asdic_status status = run(&f, 1, asdic_run_options_default(), "german");
+    setlocale(LC_ALL, "C");
+    assert_int_equal(status, ASDIC_OK);
+    char *here = read_file("reference", "run.json", &length),
+         *there = read_file("german", "run.json", &length);
+    char *text = strstr(here, "\"remarks\""), *other = strstr(there, "\"remarks\"");
+    assert_non_null(text);
+    assert_non_null(other);
+    *strstr(text, "\"time_s\"") = *strstr(other, "\"time_s\"") = 0;
+    assert_non_null(strstr(text, "from 7.0 m"));
+    assert_string_equal(text, other);
+    free(here);
+    free(there);
     end(&f);
 }
 
@@ -389,6 +434,64 @@ static void parts_join_to_the_whole(void **state) {
     end(&f);
 }
 
+/* Sums, errors, times and devices of a run, of the same in two calls, and of its parts joined. */
+static void sums_are_of_all_pings(void **state) {
+    (void)state;
+    static const char *const names[] = {"sum_a", "sum_b", "sum_ab", "sum_on"};
+    asdic_run_facts facts[4];
+    asdic_arena arena = {0};
+    fixture f;
+    begin(&f);
+    f.devices[0].saturated = 3;
+    asdic_run_options options = asdic_run_options_default();
+    options.count = 40;
+    assert_int_equal(run(&f, 1, options, names[0]), ASDIC_OK);
+    assert_non_null(strstr(f.warnings, "120 echoes were too strong"));
+    f.warnings[0] = 0;
+    options.first = 40;
+    options.count = SIZE_MAX;
+    f.pointers[0] = &f.devices[1];
+    assert_int_equal(run(&f, 1, options, names[1]), ASDIC_OK);
+    assert_string_equal(f.warnings, "");
+    const char *parts[] = {in_folder(names[0]), in_folder(names[1])};
+    assert_int_equal(asdic_run_merge(f.ctx, parts, 2, in_folder(names[2]), false), ASDIC_OK);
+    f.pointers[0] = &f.devices[0];
+    options.first = 0;
+    f.stop_at = 40;
+    f.devices[0].delay_us = 1500; /* not done before it is stopped */
+    assert_int_equal(run(&f, 1, options, names[3]), ASDIC_ERROR_INTERRUPTED);
+    size_t kept = f.reported;
+    end(&f);
+    begin(&f);
+    f.pointers[0] = &f.devices[1];
+    options.resume = true;
+    assert_int_equal(run(&f, 1, options, names[3]), ASDIC_OK);
+    const uint64_t pings[] = {40, PINGS - 40, PINGS, PINGS}, saturated[] = {120, 0, 120, 3 * kept};
+    for (size_t i = 0; i < 4; i++) {
+        assert_int_equal(asdic_run_facts_read(f.ctx, in_folder(names[i]), &arena, &facts[i]),
+                         ASDIC_OK);
+        assert_int_equal(facts[i].pings, pings[i]);
+        assert_int_equal(facts[i].pings_planned, pings[i]);
+        assert_int_equal(facts[i].rays_traced, 1000 * pings[i]);
+        assert_int_equal(facts[i].saturated, saturated[i]);
+        assert_close(facts[i].stderr_worst_db, 0.125, 0);
+        assert_int_equal(facts[i].device_count, i < 2 ? 1 : 2);
+    }
+    const asdic_run_times *a = &facts[0].times, *b = &facts[1].times, *ab = &facts[2].times;
+    const double sums_s[][3] = {{a->setup_s, b->setup_s, ab->setup_s},
+                                {a->simulate_s, b->simulate_s, ab->simulate_s},
+                                {a->devices_s, b->devices_s, ab->devices_s},
+                                {a->write_s, b->write_s, ab->write_s},
+                                {a->pictures_s, b->pictures_s, ab->pictures_s},
+                                {a->whole_s, b->whole_s, ab->whole_s}};
+    for (size_t i = 0; i < 6; i++) {
+        assert_close(sums_s[i][2], sums_s[i][0] + sums_s[i][1], 0.002); /* printed in ms */
+    }
+    assert_close_relative(facts[2].rays_per_s, 1000.0 * PINGS / ab->simulate_s, 0.1);
+    asdic_arena_finish(&arena);
+    end(&f);
+}
+
 static void folders_are_not_overwritten(void **state) {
     (void)state;
     fixture f;
@@ -406,6 +509,76 @@ static void folders_are_not_overwritten(void **state) {
     asdic_run_options beyond = {.first = PINGS, .count = 1};
     assert_int_equal(run(&f, 1, beyond, "beyond"), ASDIC_ERROR_ARGUMENT);
     assert_int_equal(f.devices[0].pings, 0);
+    end(&f);
+}
+
+/* 200 coherent pings, with their pressures or without. */
+static asdic_mission *coherent_mission(asdic_context *ctx, bool has_elements) {
+    char text[512];
+    asdic_mission *mission = NULL;
+    snprintf(text, sizeof text,
+             "version: 1\nbottom: {depth_m: 12, type: sand}\nsonar: {frequency_khz: 100, "
+             "ping_rate_hz: 20, source_level_db: 200,\n"
+             "  array: {elements: 64, beams: {count: 3, sector_deg: 30}}}\n"
+             "mission: {pose: {position_m: [0, 0, 5]}, pings: 200}\nsampling: {coherent: true}\n"
+             "output: {images: [], csv: none, elements: %s}\n",
+             has_elements ? "true" : "false");
+    const asdic_scene_text scene = {.text = text, .length = strlen(text), .name = "s.yaml"};
+    assert_int_equal(asdic_mission_load_text(ctx, &scene, &mission), ASDIC_OK);
+    return mission;
+}
+
+static void elements_are_of_one_process(void **state) {
+    (void)state;
+    fixture f;
+    begin(&f);
+    asdic_mission *m = coherent_mission(f.ctx, true);
+    asdic_team team = {.size = 2};
+    const asdic_run_options options = {
+        .count = SIZE_MAX, .team = &team, .folder = in_folder("shared")};
+    assert_int_equal(asdic_mission_run(f.ctx, m, f.pointers, 1, &options), ASDIC_ERROR_UNSUPPORTED);
+    assert_non_null(strstr(asdic_context_error(f.ctx), "use --shard"));
+    assert_int_not_equal(access(options.folder, F_OK), 0);
+    asdic_mission_destroy(&m);
+    end(&f);
+}
+
+/* The records, truth and elements of a run that goes on are there, and are not written again. */
+static void room_is_for_what_is_to_come(void **state) {
+    (void)state;
+    fixture f;
+    begin(&f);
+    asdic_mission *m[2] = {coherent_mission(f.ctx, false), coherent_mission(f.ctx, true)};
+    uint64_t needed = asdic_mission_run_bytes(m[1], 200);
+    uint64_t there = needed - asdic_mission_run_bytes(m[0], 200);
+    assert_true(there > needed / 2);
+    asdic_run_options resume = {.count = SIZE_MAX, .resume = true, .folder = in_folder("room")};
+    assert_int_equal(mkdir(resume.folder, 0777), 0);
+    fclose(fopen(in_folder("room/run.json"), "w"));
+    static const char *const names[] = {"elements.npy",   "elements.npy.part", "truth.npy",
+                                        "truth.npy.part", "pings.npy",         "pings.npy.part"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        char path[256];
+        snprintf(path, sizeof path, "%s/%s", resume.folder, names[i]);
+        f.warnings[0] = 0;
+        fclose(fopen(path, "w"));
+        assert_int_equal(truncate(path, (off_t)there), 0);
+        disk_bytes = needed - there;
+        assert_int_equal(asdic_run_check_room(f.ctx, m[1], &resume), ASDIC_OK);
+        assert_string_equal(f.warnings, "");
+        disk_bytes = needed - there - 1;
+        assert_int_equal(asdic_run_check_room(f.ctx, m[1], &resume), ASDIC_OK);
+        assert_non_null(strstr(f.warnings, "room for"));
+        assert_int_equal(unlink(path), 0);
+    }
+    resume.resume = false;
+    disk_bytes = needed;
+    assert_int_equal(asdic_run_check_room(f.ctx, m[1], &resume), ASDIC_OK);
+    disk_bytes = needed - 1;
+    assert_int_equal(asdic_run_check_room(f.ctx, m[1], &resume), ASDIC_ERROR_IO);
+    disk_bytes = 0;
+    asdic_mission_destroy(&m[0]);
+    asdic_mission_destroy(&m[1]);
     end(&f);
 }
 
@@ -618,6 +791,7 @@ static void frames_are_of_single_pings(void **state) {
 int main(int argc, char **argv) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(times_hold_what_the_end_takes),
+        cmocka_unit_test(locales_change_no_text),
         cmocka_unit_test(devices_do_not_change_a_byte),
         cmocka_unit_test(lost_device_is_replaced),
         cmocka_unit_test(losing_all_devices_keeps_what_was_done),
@@ -629,7 +803,10 @@ int main(int argc, char **argv) {
         cmocka_unit_test(complete_runs_are_checked),
         cmocka_unit_test(full_disk_loses_nothing),
         cmocka_unit_test(parts_join_to_the_whole),
+        cmocka_unit_test(sums_are_of_all_pings),
         cmocka_unit_test(folders_are_not_overwritten),
+        cmocka_unit_test(elements_are_of_one_process),
+        cmocka_unit_test(room_is_for_what_is_to_come),
         cmocka_unit_test(files_may_have_any_number),
         cmocka_unit_test(csv_reads_back_to_the_bit),
         cmocka_unit_test(damaged_folders_are_refused),

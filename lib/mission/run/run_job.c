@@ -2,6 +2,7 @@
 
 #include "base/clock.h"
 #include "base/context.h"
+#include "base/number.h"
 #include "base/sha256.h"
 #include "base/try.h"
 #include "mission/mission.h"
@@ -163,7 +164,15 @@ static asdic_status compare(asdic_run_job *job, const asdic_run_facts *earlier) 
 asdic_status asdic_job_describe(asdic_run_job *job) {
     TRY(check_range(job));
     TRY(asdic_files_check(job->ctx, &job->mission->settings));
-    return describe(job);
+    if (job->mission->settings.elements && job->options->team) {
+        return asdic_fail(job->ctx, ASDIC_ERROR_UNSUPPORTED,
+                          "'output: {elements: true}' is not possible where several processes "
+                          "share a run; use --shard and 'asdic merge'");
+    }
+    locale_t before = asdic_c_locale_enter(); /* run.json keeps remarks and reasons */
+    asdic_status status = describe(job);
+    asdic_c_locale_leave(before);
+    return status;
 }
 
 /* --- the beginning ---------------------------------------------------------------------------- */
@@ -186,11 +195,6 @@ static asdic_elements_shape elements_of(const asdic_run_job *job) {
 
 static asdic_status open_elements(asdic_run_job *job, bool goes_on) {
     asdic_elements_shape shape = elements_of(job);
-    if (shape.elements > 0 && job->options->team) {
-        return asdic_fail(job->ctx, ASDIC_ERROR_UNSUPPORTED,
-                          "'output: {elements: true}' is not possible where several processes "
-                          "share a run; use --shard and 'asdic merge'");
-    }
     asdic_store_mode mode = goes_on ? ASDIC_STORE_RESUME : ASDIC_STORE_CREATE;
     return asdic_elements_open(job->ctx, job->options->folder, mode, &shape, &job->elements);
 }

@@ -196,7 +196,9 @@ asdic_status asdic_run_check_room(asdic_context *ctx, const asdic_mission *missi
     uint64_t there = goes_on ? bytes_there(o->folder, "pings.npy.part") +
                                    bytes_there(o->folder, "pings.npy") +
                                    bytes_there(o->folder, ASDIC_TRUTH_NAME ".part") +
-                                   bytes_there(o->folder, ASDIC_TRUTH_NAME)
+                                   bytes_there(o->folder, ASDIC_TRUTH_NAME) +
+                                   bytes_there(o->folder, ASDIC_ELEMENTS_NAME ".part") +
+                                   bytes_there(o->folder, ASDIC_ELEMENTS_NAME)
                              : 0;
     if (needed <= there || needed - there <= left) {
         return ASDIC_OK;
