@@ -375,6 +375,40 @@ static void footprint_of_many_beams(void **state) {
     asdic_footprint_finish(&area);
 }
 
+/* All round, with lobes broader than a step, there is a ring, and nothing of it twice. */
+static void footprint_all_round(void **state) {
+    enum { BEAMS = 72 };
+    (void)state;
+    asdic_beam beams[BEAMS];
+    for (int b = 0; b < BEAMS; b++) {
+        beams[b] = (asdic_beam){.yaw_rad = (b - 36) * ASDIC_PI / 36.0,
+                                .pitch_rad = 0.5,
+                                .length_h_m = 0.05,
+                                .length_v_m = 0.05};
+    }
+    asdic_swath swath = {.beams = beams, .count = BEAMS, .wavelength_m = 0.015, .range_m = 100};
+    asdic_pose pose = {.position_m = {3, 7, 20}, .yaw_rad = 1.0};
+    asdic_ground ground = {.relief = &no_relief, .plane_depth_m = 30};
+    asdic_chart_area area;
+    double half_v = asin(HALF_POWER * 0.015 / 0.05);
+    double far_m = 10.0 / tan(0.5 - half_v), near_m = 10.0 / tan(0.5 + half_v);
+    double corners = BEAMS / ASDIC_PI * sin(ASDIC_PI / BEAMS) * cos(ASDIC_PI / BEAMS);
+    assert_int_equal(asdic_footprint_find(ctx, &swath, &pose, &ground, &area), ASDIC_OK);
+    assert_close_relative(fabs(area_of(area.north_m, area.east_m, area.count)),
+                          ASDIC_PI * corners * (far_m * far_m - near_m * near_m), 1e-9);
+    asdic_footprint_finish(&area);
+    /* Looking up: the circle to which they hear. */
+    for (int b = 0; b < BEAMS; b++) {
+        beams[b].pitch_rad = -0.5;
+    }
+    assert_int_equal(asdic_footprint_find(ctx, &swath, &pose, &ground, &area), ASDIC_OK);
+    assert_true(area.dashed);
+    for (size_t i = 0; i < area.count; i++) {
+        assert_close(hypot(area.north_m[i] - 3.0, area.east_m[i] - 7.0), 100.0 * cos(0.5), 1e-9);
+    }
+    asdic_footprint_finish(&area);
+}
+
 /* Where a ray that leaves 20 m at DOWN meets 30 m: arcs of circles, whose angles keep cos / c; x from level to
  * level is c / (g cos) times the difference of the sines (C. B. Officer, 1958, ch. 2). */
 static double arcs_m(const double *depth_m, const double *speed_mps, int layers, double down_rad) {
@@ -858,6 +892,7 @@ int main(void) {
         cmocka_unit_test(footprint_on_a_plane),
         cmocka_unit_test(footprint_of_a_broad_lobe),
         cmocka_unit_test(footprint_of_many_beams),
+        cmocka_unit_test(footprint_all_round),
         cmocka_unit_test(footprint_in_water_that_bends),
         cmocka_unit_test(footprint_on_terrain),
         cmocka_unit_test(footprint_beside_a_hole),

@@ -52,8 +52,17 @@ static cut cut_at(const asdic_swath *s, const asdic_beam *beam, double azimuth_r
                  .half_rad = asdic_footprint_half_width_rad(s->wavelength_m, beam->length_v_m)};
 }
 
-/* From port to starboard. */
-static size_t cut_swath(const asdic_swath *s, cut cuts[MOST_ACROSS]) {
+/* Whether the beams are all round, so that the outermost are neighbours. */
+static bool goes_round(const asdic_swath *s) {
+    const asdic_beam *first = &s->beams[0], *last = &s->beams[s->count - 1];
+    return last->yaw_rad - first->yaw_rad +
+               asdic_footprint_half_width_rad(s->wavelength_m, first->length_h_m) +
+               asdic_footprint_half_width_rad(s->wavelength_m, last->length_h_m) >=
+           2.0 * ASDIC_PI;
+}
+
+/* From port to starboard; all round, from the first beam's axis to the same again. */
+static size_t cut_swath(const asdic_swath *s, bool is_round, cut cuts[MOST_ACROSS]) {
     size_t n = 0;
     const asdic_beam *first = &s->beams[0], *last = &s->beams[s->count - 1];
     double half_rad = asdic_footprint_half_width_rad(s->wavelength_m, first->length_h_m);
@@ -65,11 +74,14 @@ static size_t cut_swath(const asdic_swath *s, cut cuts[MOST_ACROSS]) {
         return n;
     }
     size_t step = (s->count - 1) / (MOST_ACROSS - 3) + 1;
-    cuts[n++] = cut_at(s, first, -half_rad);
+    double last_rad = asdic_footprint_half_width_rad(s->wavelength_m, last->length_h_m);
+    if (!is_round) {
+        cuts[n++] = cut_at(s, first, -half_rad);
+    }
     for (size_t i = 0; i < s->count; i += step) {
         cuts[n++] = cut_at(s, &s->beams[i], 0.0);
     }
-    cuts[n++] = cut_at(s, last, asdic_footprint_half_width_rad(s->wavelength_m, last->length_h_m));
+    cuts[n++] = is_round ? cuts[0] : cut_at(s, last, last_rad);
     return n;
 }
 
@@ -206,7 +218,8 @@ static void add_point(asdic_chart_area *area, const asdic_swath *s, const asdic_
 asdic_status asdic_footprint_find(asdic_context *ctx, const asdic_swath *s, const asdic_pose *pose,
                                   const asdic_ground *ground, asdic_chart_area *out) {
     cut cuts[MOST_ACROSS];
-    size_t n = cut_swath(s, cuts);
+    bool is_round = goes_round(s);
+    size_t n = cut_swath(s, is_round, cuts);
     *out = (asdic_chart_area){.north_m = malloc(2 * MOST_ACROSS * sizeof(double)),
                               .east_m = malloc(2 * MOST_ACROSS * sizeof(double))};
     if (!out->north_m || !out->east_m) {
@@ -218,7 +231,7 @@ asdic_status asdic_footprint_find(asdic_context *ctx, const asdic_swath *s, cons
         find_edges(ground, s, pose, &cuts[i]);
         out->dashed = out->dashed && isnan(cuts[i].lower.at_m);
     }
-    if (out->dashed) {
+    if (out->dashed && !is_round) {
         add_point(out, s, pose, cuts[0].upper.along, 0.0);
     }
     /* A cut that misses the bottom has no width there, at the full range: a chord between its
