@@ -54,7 +54,13 @@ static size_t count_fields(const char *line) {
 }
 
 static asdic_status read_header(columns_reader *r, const char *line) {
+    const char *end = strchr(line, '\r');
     r->field_count = count_fields(line);
+    if (end && end[strspn(end, "\r")]) {
+        return asdic_fail(r->ctx, ASDIC_ERROR_INPUT,
+                          "%s:%zu: lines end in carriage returns alone; they must in line feeds",
+                          r->path, r->line);
+    }
     if (r->field_count == 1 && strchr(line, ';')) {
         return asdic_fail(r->ctx, ASDIC_ERROR_INPUT,
                           "%s:%zu: columns are separated by semicolons; they must be by commas",

@@ -76,6 +76,7 @@ static void errors_name_file_and_line(void **state) {
         {"", "F: no rows of deg,db"},
         {"deg,db\n", "F: no rows of deg,db"},
         {"deg;db\n5;-40\n", "F:1: columns are separated by semicolons; they must be by commas"},
+        {"deg,db\r5,-40\r", "F:1: lines end in carriage returns alone; they must in line feeds"},
         {"deg,db\n5,-40,5\n", "F:2: 3 fields, but the header has 2"},
         {"# x\ndeg,level\n", "F:2: missing column 'db'; the header is deg,db in any order"},
         {"deg,db\n5\n", "F:2: 'db' is missing"},

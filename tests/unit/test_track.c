@@ -130,6 +130,8 @@ static void headers_are_checked(void **state) {
          "time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n");
     load("time_s;x_m;y_m;z_m;roll_deg;pitch_deg;yaw_deg\n0;0;0;0;0;0;0\n",
          "F:1:1: error: columns are separated by semicolons; they must be by commas\n");
+    load("time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\r0,0,0,0,0,0,0\r",
+         "F:1:1: error: lines end in carriage returns alone; they must in line feeds\n");
 }
 
 static void every_bad_row_is_named(void **state) {

@@ -116,6 +116,11 @@ static bool has_any_column(const track_reader *r, const field *fields) {
 static void read_header(track_reader *r, const char *line) {
     field fields[MAX_FIELDS];
     r->field_count = split(line, fields);
+    if (strchr(line, '\r')) {
+        asdic_problems_add(&r->problems, r->line, 1,
+                           "lines end in carriage returns alone; they must in line feeds");
+        return;
+    }
     if (r->field_count > MAX_FIELDS) {
         asdic_problems_add(&r->problems, r->line, 1, "%zu columns, at most %d are possible",
                            r->field_count, MAX_FIELDS);
