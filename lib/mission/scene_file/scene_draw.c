@@ -187,8 +187,9 @@ static void print_flow(const asdic_yaml_node *node, asdic_text *text) {
 bool asdic_scene_draw_is_gone(const asdic_drawn *drawn, const char *key) {
     for (size_t i = 0; i < drawn->count; i++) {
         size_t length = strlen(drawn->items[i].key);
-        if (strcmp(drawn->items[i].value, "none") == 0 && key[length] &&
-            strncmp(drawn->items[i].key, key, length) == 0 && strchr(".[", key[length])) {
+        if (strcmp(drawn->items[i].value, "none") == 0 &&
+            strncmp(drawn->items[i].key, key, length) == 0 &&
+            (key[length] == '.' || key[length] == '[')) {
             return true;
         }
     }
