@@ -175,6 +175,21 @@ static asdic_status work_all(fleet *f) {
 
 /* --- what is flown ----------------------------------------------------------------------------- */
 
+/* A detector that compares with what is expected over a plane takes for targets what planes mirror. */
+static void warn_of_mirrors(asdic_context *ctx, const asdic_mission *m) {
+    const asdic_trial_plan *plan = &m->trial;
+    bool is_flat = plan->background == ASDIC_TRIAL_FLAT ||
+                   (plan->background == ASDIC_TRIAL_AUTO && !asdic_mission_bottom_mesh(m));
+    asdic_scene_info scene = asdic_scene_get_info(m->scene);
+    bool has_mirror = scene.has_surface || scene.has_bottom_plane;
+    if (is_flat && has_mirror && !plan->is_ideal &&
+        m->settings.sampling.multipath == ASDIC_MULTIPATH_BOUNDARIES) {
+        asdic_log(ctx, ASDIC_LOG_WARNING,
+                  "the trial's detector expects no echoes that surface and bottom mirror "
+                  "('multipath: boundaries') and takes them for targets");
+    }
+}
+
 /* The hash of each variant: of its run 0, with what that includes, and of its section `trial`; and of all files
  * that are named. */
 static asdic_status describe(asdic_context *ctx, const asdic_trial_options *o, trial_facts *facts,
@@ -205,6 +220,7 @@ static asdic_status describe(asdic_context *ctx, const asdic_trial_options *o, t
             asdic_text_format(&all, "%s %s %s %s\n", asdic_mission_hash(mission),
                               mission->trial_hash, key, value);
             if (v == 0) {
+                warn_of_mirrors(ctx, mission);
                 asdic_trial_print_header(mission, header);
             }
         }

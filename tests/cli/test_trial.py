@@ -518,6 +518,19 @@ def test_rays_by_a_tolerance():
         tap.contains(done.err, "--rays and --tolerance exclude each other")
 
 
+def test_detectors_without_mirrors_are_told_of():
+    """What is expected over a plane knows no mirrored echoes; where none are simulated, or nothing is expected, no word."""
+    program.need_device()
+    quick = WALL.replace("time_s: 45", "time_s: 1")
+    mirrors = quick.replace("rays: 1000", "rays: 1000, multipath: boundaries")
+    with Folder() as folder:
+        for text, warns in ((quick, 0), (mirrors, 1), (mirrors + "  background: ca\n", 0),
+                            (mirrors + "  ideal: {pd: 0.5}\n", 0)):
+            path = folder.write("wall.yaml", text)
+            done = asdic("trial", path, "--runs", 1, "-o", folder / "out", "-f").check(code=0)
+            tap.equal(done.err.count("expects no echoes that surface and bottom mirror"), warns, done.err)
+
+
 def test_rays_of_its_own_choice():
     """As few as leave no rough pings: 4,096 for one wide beam, more for a fan of narrow beams and short bins."""
     program.need_device()
