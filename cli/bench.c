@@ -146,8 +146,8 @@ int bench_run(cli *c, const bench_kind *kinds) {
     if (b.picture && !kind->draws) {
         return cli_usage(c, "'bench %s' draws nothing; -o writes a table", kind->name);
     }
-    if (cli_given(c, "kernel") && strcmp(kind->name, "rays") != 0) {
-        return cli_usage(c, "--kernel goes with 'bench rays'; 'bench %s' times what a ping takes",
+    if (cli_given(c, "kernel") && !kind->casts) {
+        return cli_usage(c, "--kernel is of rays alone; 'bench %s' times what a ping takes",
                          kind->name);
     }
     if (is_stdout && b.json) {

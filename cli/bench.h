@@ -52,6 +52,7 @@ typedef struct bench_kind {
     unsigned least, most;       /* operands */
     unsigned threads;           /* of the device unless --threads is given; 0: as it likes */
     bool draws;                 /* takes --picture */
+    bool casts;                 /* rays alone: takes --kernel */
 } bench_kind;
 
 /* Runs the kind that operand 0 names; KINDS end with a name of NULL. Returns an exit code. */

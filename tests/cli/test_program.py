@@ -125,7 +125,7 @@ def test_options_that_would_do_nothing_are_refused():
                  "the scene is read for every design of --vary; it must be a file")
     for kind in "error", "honest", "loop", "pings":
         tap.contains(asdic("bench", kind, "none.yaml", "--kernel", "scalar").check(code=2, out="").err,
-                     "--kernel goes with 'bench rays'")
+                     "--kernel is of rays alone")
 
 
 def test_colours_are_for_terminals_only():
