@@ -36,10 +36,6 @@
 
 #define TRACE_TOLERANCE 1e-4f
 
-/* Half the width that a ray has, relative to the largest coordinate in play: 8 units in the last
- * place, twice what the roundings in shear, box test and 1 / direction add up to. */
-#define TRACE_SKIN 4.76837158e-7f /* 2^-21 */
-
 /* A function of its own, so that its arrays lie on the stack once: PoCL gives what it inlines into a
  * kernel a place for every work-item of the group, which then do not fit the cache. */
 #if defined(__clang__)

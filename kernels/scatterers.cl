@@ -5,10 +5,8 @@
 #include "coherent.h"
 #include "echo.h"
 
-/* Rays end before a scatterer by what a tracer may err, this share of the largest coordinates in play (TRACE_SKIN of
- * intersect.h): facets that touch its own do not hide it, and the far side of a sheet is hidden. */
-#define SHORT_OF_SCATTERER 4.76837158e-7f
-/* Those to points end sooner, so that a point on a body's skin is seen, as in sim/points.c. */
+/* Rays end before a scatterer by what a tracer may err (TRACE_SKIN): facets that touch its own do not hide it, and the
+ * far side of a sheet is hidden. Those to points end sooner, so that a point on a body's skin is seen, as in sim/points.c. */
 #define SHORT_OF_POINT 0.9999f
 
 /* A point of a patch as fractions of its edges. */
@@ -102,7 +100,7 @@ __kernel void coherent_place(__global const dev_ping *ping, __global const dev_c
                       (p.z - ping->origin[2]) - c->low[2]);
         float range = sqrt(vector_dot(d, d)), unit = 1.0f / max(range, 1e-9f);
         vector o = vector_of(ping->origin[0], ping->origin[1], ping->origin[2]);
-        float skin = SHORT_OF_SCATTERER * (2.0f * sqrt(vector_dot(o, o)) + range);
+        float skin = TRACE_SKIN * (2.0f * sqrt(vector_dot(o, o)) + range);
         dev_ray ray;
         for (int axis = 0; axis < 3; axis++) {
             ray.origin[axis] = ping->origin[axis];

@@ -100,6 +100,10 @@ typedef struct dev_material {
     dev_uint pad;
 } dev_material; /* 48 bytes */
 
+/* Half the width that a ray has, relative to the largest coordinate in play: 8 units in the last
+ * place, twice what the roundings in shear, box test and 1 / direction add up to (intersect.h). */
+#define TRACE_SKIN 4.76837158e-7f /* 2^-21 */
+
 typedef struct dev_hit {
     float t_m;         /* INFINITY: none */
     dev_uint triangle; /* ~0u: none */
