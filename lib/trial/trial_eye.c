@@ -84,11 +84,18 @@ static asdic_status need_scan(asdic_eye *eye, const asdic_cfar *cfar, double spe
                              eye->is_flat ? NULL : cfar, &eye->scan);
 }
 
+asdic_trial_background asdic_eye_background(const asdic_mission *mission) {
+    asdic_trial_background asked = mission->trial.background;
+    return asked != ASDIC_TRIAL_AUTO            ? asked
+           : asdic_mission_bottom_mesh(mission) ? ASDIC_TRIAL_OS
+                                                : ASDIC_TRIAL_FLAT;
+}
+
 asdic_status asdic_eye_open(asdic_eye *eye, const asdic_mission *mission, double depth_m,
                             double reach_m) {
     const asdic_sonar *sonar = &mission->settings.sonar;
     asdic_cfar cfar = asdic_cfar_default();
-    asdic_trial_background background = mission->trial.background;
+    asdic_trial_background background = asdic_eye_background(mission);
     eye->mission = mission;
     if (!eye->shelf) {
         TRY(asdic_ring_shelf_create(eye->ctx, ATTITUDES, &eye->shelf));
@@ -103,9 +110,6 @@ asdic_status asdic_eye_open(asdic_eye *eye, const asdic_mission *mission, double
     if (memcmp(&eye->environment, &mission->settings.environment, sizeof eye->environment) != 0) {
         forget_places(eye);
         eye->environment = mission->settings.environment;
-    }
-    if (background == ASDIC_TRIAL_AUTO) {
-        background = asdic_mission_bottom_mesh(mission) ? ASDIC_TRIAL_OS : ASDIC_TRIAL_FLAT;
     }
     eye->is_flat = background == ASDIC_TRIAL_FLAT;
     cfar.kind = background == ASDIC_TRIAL_CA ? ASDIC_CFAR_CA : ASDIC_CFAR_OS;

@@ -36,6 +36,9 @@ typedef struct asdic_eye {
     double *total_lin, *noise_lin; /* of a ping, NAN behind those */
 } asdic_eye;
 
+/* What a bin is compared with in trials of MISSION: its own choice, never ASDIC_TRIAL_AUTO. */
+asdic_trial_background asdic_eye_background(const asdic_mission *mission);
+
 /* EYE is zero but for ctx and device at first; the next run opens it again. DEPTH_M: of the sonar at
  * the first ping. Nothing is detected beyond REACH_M where levels are compared with what is expected,
  * since to expect them takes longer than to simulate them. */

@@ -177,12 +177,9 @@ static asdic_status work_all(fleet *f) {
 
 /* A detector that compares with what is expected over a plane takes for targets what planes mirror. */
 static void warn_of_mirrors(asdic_context *ctx, const asdic_mission *m) {
-    const asdic_trial_plan *plan = &m->trial;
-    bool is_flat = plan->background == ASDIC_TRIAL_FLAT ||
-                   (plan->background == ASDIC_TRIAL_AUTO && !asdic_mission_bottom_mesh(m));
     asdic_scene_info scene = asdic_scene_get_info(m->scene);
     bool has_mirror = scene.has_surface || scene.has_bottom_plane;
-    if (is_flat && has_mirror && !plan->is_ideal &&
+    if (has_mirror && !m->trial.is_ideal && asdic_eye_background(m) == ASDIC_TRIAL_FLAT &&
         m->settings.sampling.multipath == ASDIC_MULTIPATH_BOUNDARIES) {
         asdic_log(ctx, ASDIC_LOG_WARNING,
                   "the trial's detector expects no echoes that surface and bottom mirror "
