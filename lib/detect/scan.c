@@ -4,6 +4,7 @@
 
 #include "base/context.h"
 #include "base/try.h"
+#include "sim/pulse.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -33,8 +34,8 @@ struct asdic_scan {
 /* Bins from one to the next whose speckle is independent: a pulse less a tenth, which moves a P_FA
  * of 1e-3 by 5 % at most. */
 static size_t apart_of(const asdic_sonar *sonar, double sound_speed_mps) {
-    double pulse = 0.5 * sound_speed_mps / sonar->bandwidth_hz / sonar->bin_length_m;
-    return (size_t)fmin(fmax(ceil(pulse - 0.1), 1.0), ASDIC_SONAR_MAX_BINS);
+    double bins = asdic_pulse_bins(sonar, sound_speed_mps);
+    return (size_t)fmin(fmax(ceil(bins - 0.1), 1.0), ASDIC_SONAR_MAX_BINS);
 }
 
 asdic_detector asdic_detector_default(void) {

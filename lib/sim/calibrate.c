@@ -296,9 +296,9 @@ static double beam_variance(const asdic_simulator *sim, size_t b, size_t n, cons
         known += variance[k - from] >= 0.0;
     }
     for (size_t k = from; k <= to; k++) {
-        mean += known > 0.0 ? fmax(variance[k - from], 0.0) / known : -1.0;
+        mean += fmax(variance[k - from], 0.0) / known;
     }
-    return mean;
+    return known > 0.0 ? mean : -1.0;
 }
 
 /* The same with many receivers: neighbouring receivers see much the same and share an error. Where all of them heard

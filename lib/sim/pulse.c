@@ -77,24 +77,23 @@ WIDEST static void weigh(const double *restrict total, const float *restrict std
     }
 }
 
-/* Of a resolution cell, in bins. */
-static double length_of(const asdic_sonar *sonar, double sound_speed_mps) {
+double asdic_pulse_bins(const asdic_sonar *sonar, double sound_speed_mps) {
     return sound_speed_mps / (2.0 * sonar->bandwidth_hz) / sonar->bin_length_m;
 }
 
 bool asdic_pulse_smears(const asdic_sonar *sonar, double sound_speed_mps) {
-    return length_of(sonar, sound_speed_mps) > 1.0;
+    return asdic_pulse_bins(sonar, sound_speed_mps) > 1.0;
 }
 
 void asdic_pulse_smear_row(const asdic_sonar *sonar, double sound_speed_mps, double *scratch,
                            size_t bins, double *row) {
     if (asdic_pulse_smears(sonar, sound_speed_mps)) {
-        smear_row(row, scratch, bins, window_of(length_of(sonar, sound_speed_mps), bins));
+        smear_row(row, scratch, bins, window_of(asdic_pulse_bins(sonar, sound_speed_mps), bins));
     }
 }
 
 double asdic_pulse_share(const asdic_sonar *sonar, double sound_speed_mps, size_t bins, size_t n) {
-    double length = length_of(sonar, sound_speed_mps);
+    double length = asdic_pulse_bins(sonar, sound_speed_mps);
     return length > 1.0 ? 1.0 / spread_of(window_of(length, bins), bins, n) : 1.0;
 }
 
@@ -124,7 +123,8 @@ static void smear_beams(void *user, unsigned worker, size_t first, size_t end) {
 void asdic_pulse_smear(const asdic_sonar *sonar, double sound_speed_mps, unsigned threads,
                        double *scratch, asdic_ping *ping) {
     if (asdic_pulse_smears(sonar, sound_speed_mps)) {
-        smearing s = {ping, window_of(length_of(sonar, sound_speed_mps), ping->bins), scratch};
+        smearing s = {ping, window_of(asdic_pulse_bins(sonar, sound_speed_mps), ping->bins),
+                      scratch};
         asdic_share(threads, ping->beams, BEAMS, smear_beams, &s);
     }
 }

@@ -7,6 +7,9 @@
 #include <asdic/ping.h>
 #include <asdic/sonar.h>
 
+/* Bins that a resolution cell is long. */
+double asdic_pulse_bins(const asdic_sonar *sonar, double sound_speed_mps);
+
 /* Doubles of scratch that a thread of asdic_pulse_smear needs for so many bins. */
 size_t asdic_pulse_scratch(size_t bins);
 

@@ -84,7 +84,7 @@ typedef struct asdic_ping_shot {
 typedef struct asdic_lift_room {
     double high_m, bend_per_m; /* of any layer, at most */
     double rays_m;             /* as far as any comes from the sonar */
-    double reach_m, least_m;   /* they touch within so far from the frame's origin; at first */
+    double reach_m, least_m;   /* none touches another so near the frame's origin; at first */
 } asdic_lift_room;
 
 /* What is fixed when a simulator is made. */

@@ -5,6 +5,7 @@
 #include "base/share.h"
 #include "base/widest.h"
 #include "coherence.h"
+#include "pulse.h"
 #include "texture.h"
 
 #include "../../kernels/coherent.h"
@@ -171,7 +172,7 @@ asdic_status asdic_speckle_create(asdic_context *ctx, const asdic_sonar *sonar,
         asdic_speckle_destroy(&f);
         return status;
     }
-    double cell = 0.5 * sound_speed_mps / sonar->bandwidth_hz / sonar->bin_length_m;
+    double cell = asdic_pulse_bins(sonar, sound_speed_mps);
     double block = RUN * ceil(fmin(fmax(cell, 1.0), MOST_BLOCK) / RUN);
     f->sonar = *sonar;
     f->sonar.receivers = NULL;
