@@ -63,7 +63,7 @@ __kernel void fan_runs(__global const dev_ping *ping, __global fan_entry *entrie
     if (bin < ping->bins) {
         __global fan_entry *entry = entries + lists[bin].first;
         for (__global fan_entry *end = entry + lists[bin].count; entry < end;) {
-            entry = make_run(entry, end);
+            entry = make_run(ping, entry, end);
         }
     }
 }

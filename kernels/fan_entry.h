@@ -27,9 +27,6 @@
 /* Sums of a bin: its components', then, where truth is wanted, that of depressions (truth.h). */
 #define SUMS (ASDIC_COMPONENTS + ASDIC_TRUTH)
 
-/* Deposits that may be echoes: all four are along a mirror's path. */
-#define ECHOES (ASDIC_HAS_MIRRORS ? DEPOSITS : DEPOSITS / 2u)
-
 /* Up to four deposits from one direction. Their bins are KEY, the list's own bin, to KEY + SPAN - 1. */
 typedef struct fan_entry {
     float direction[3]; /* as in the arrival */
@@ -40,12 +37,14 @@ typedef struct fan_entry {
 #endif
     float quanta[DEPOSITS];
 #if ASDIC_TRUTH
-    float down[ECHOES]; /* the echoes' quanta for the sum of depressions */
+    float down; /* what multiplies the echoes' quanta for the sum of depressions */
 #endif
 } fan_entry;
 
-/* In `truth`: all deposits are echoes; else the first two are, and the others water or nothing. */
+/* In `truth`: all deposits are echoes; else the first two are, and the others water or nothing. Of the first entry
+ * of a run (fan_run.h): the sines of depression are unlike. */
 #define ECHOES_ALONE 0x80000000u
+#define DEPTHS_UNLIKE 0x40000000u
 #define TRUTH_BEHIND_SHIFT 16u
 
 static inline uint echoes_of(uint truth) {
@@ -57,7 +56,11 @@ static inline uint row_of(uint truth) {
 }
 
 static inline uint behind_of(uint truth) {
-    return (truth & ~ECHOES_ALONE) >> TRUTH_BEHIND_SHIFT;
+    return (truth & ~(ECHOES_ALONE | DEPTHS_UNLIKE)) >> TRUTH_BEHIND_SHIFT;
+}
+
+static inline uint component_of(uint truth) {
+    return ASDIC_COMPONENTS - behind_of(truth);
 }
 
 /* `rows` are the sums, counted from those of KEY on, of the first deposit and of the third, seven bits each:
@@ -168,12 +171,7 @@ static inline void sort_deposits(const fan_sort *sort, __global const dev_arriva
 #if ASDIC_TRUTH
     uint component = l->component.s0;
     bool echoes_alone = component == DEV_DEPOSIT_MULTIPATH && hi.any;
-    quanta *= truth_weight(sort->ping, component, arrival->more);
-#if ASDIC_HAS_MIRRORS
-    vstore4(quanta, 0, to->down);
-#else
-    vstore2(quanta.lo, 0, to->down);
-#endif
+    to->down = truth_weight(sort->ping, component, arrival->more);
     to->truth = truth_row(arrival->more) | (ASDIC_COMPONENTS - component) << TRUTH_BEHIND_SHIFT |
                 (echoes_alone ? ECHOES_ALONE : 0u);
 #endif

@@ -117,7 +117,8 @@ static inline void add_truth(__global const dev_ping *ping, __global const fan_e
         if (sum_at(entry->rows, c) / SUMS != beyond) {
             continue;
         }
-        sums->of[ASDIC_COMPONENTS] = r_fma(entry->down[c], gain, sums->of[ASDIC_COMPONENTS]);
+        sums->of[ASDIC_COMPONENTS] =
+            r_fma(entry->quanta[c] * entry->down, gain, sums->of[ASDIC_COMPONENTS]);
         truth_cells cell = cells_of(ping, &sums->truth, entry, sums->truth.first);
         if (cell) {
             *cell = r_fma(entry->quanta[c], gain, *cell);
@@ -222,11 +223,11 @@ static inline real *sum_of(const fan_run *run, uint c) {
     return &run->sums[sum_at(run->entry->rows, c)][run->p];
 }
 
-/* Deposit C of RUN brought its sum to SUM and, where it is an ECHO, DOWN to that of depressions. */
-WITHIN void put(const fan_run *run, uint c, real sum, const bool echo, real down) {
+/* Deposit C of RUN brought its sum to SUM and, where it is an echo, DOWN to that of depressions. */
+static inline void put(const fan_run *run, uint c, real sum, real down) {
     real *to = sum_of(run, c);
 #if ASDIC_TRUTH
-    if (echo) {
+    if (c < run->echoes) {
         to[behind_of(run->entry->truth) * PARTS] += down;
         if (run->cells[c]) {
             truth_cells cells = run->cells[c] + run->p * ASDIC_WIDTH;
@@ -237,24 +238,25 @@ WITHIN void put(const fan_run *run, uint c, real sum, const bool echo, real down
     *to = sum;
 }
 
-/* DOWN with deposit C of ENTRY, an echo, received with GAIN. */
-WITHIN real add_down(__global const fan_entry *entry, uint c, real gain, real down) {
+/* What multiplies the echoes of ENTRY for the sum of depressions. */
+static inline real down_of(__global const fan_entry *entry) {
 #if ASDIC_TRUTH
-    return r_fma((real)(entry->down[c]), gain, down);
+    return (real)(entry->down);
 #else
-    return down;
+    return R(0.0);
 #endif
 }
 
 /* Entries of a run whose gains are found first, then used: either takes most of a processor's registers. */
 #define TOGETHER 32u
 
-/* Adds RUN, for one vector of receivers after the other. ALL: its deposits are all echoes. */
+/* Adds RUN, for one vector of receivers after the other. UNLIKE: each entry has its own depression. */
 WITHIN void add_run(__global const dev_ping *ping, fan_run run, const receivers *r, uint parts,
-                    const bool all) {
+                    const bool unlike) {
     for (fan_run to = run; to.p < parts; to.p++) {
-        real s0 = *sum_of(&to, 0u), s1 = *sum_of(&to, 1u);
-        real s2 = *sum_of(&to, 2u), s3 = *sum_of(&to, 3u);
+        const real b0 = *sum_of(&to, 0u), b1 = *sum_of(&to, 1u);
+        const real b2 = *sum_of(&to, 2u), b3 = *sum_of(&to, 3u);
+        real s0 = b0, s1 = b1, s2 = b2, s3 = b3;
         real d0 = R(0.0), d1 = R(0.0), d2 = R(0.0), d3 = R(0.0);
         for (uint from = 0; from < to.count; from += TOGETHER) {
             __global const fan_entry *entries = to.entry + from;
@@ -269,30 +271,34 @@ WITHIN void add_run(__global const dev_ping *ping, fan_run run, const receivers 
                 s1 = r_fma((real)(entry->quanta[1]), gain[k], s1);
                 s2 = r_fma((real)(entry->quanta[2]), gain[k], s2);
                 s3 = r_fma((real)(entry->quanta[3]), gain[k], s3);
-                d0 = add_down(entry, 0u, gain[k], d0);
-                d1 = add_down(entry, 1u, gain[k], d1);
-                if (all) {
-                    d2 = add_down(entry, 2u, gain[k], d2);
-                    d3 = add_down(entry, 3u, gain[k], d3);
+                if (unlike) {
+                    real down = gain[k] * down_of(entry);
+                    d0 = r_fma((real)(entry->quanta[0]), down, d0);
+                    d1 = r_fma((real)(entry->quanta[1]), down, d1);
+#if ASDIC_HAS_MIRRORS
+                    d2 = r_fma((real)(entry->quanta[2]), down, d2);
+                    d3 = r_fma((real)(entry->quanta[3]), down, d3);
+#endif
                 }
             }
         }
-        put(&to, 0u, s0, true, d0);
-        put(&to, 1u, s1, true, d1);
-        put(&to, 2u, s2, all, d2);
-        put(&to, 3u, s3, all, d3);
+        const real down = down_of(to.entry);
+        put(&to, 0u, s0, unlike ? d0 : (s0 - b0) * down);
+        put(&to, 1u, s1, unlike ? d1 : (s1 - b1) * down);
+        put(&to, 2u, s2, unlike ? d2 : (s2 - b2) * down);
+        put(&to, 3u, s3, unlike ? d3 : (s3 - b3) * down);
     }
 }
 
 /* Apart: else compilers make one loop of both. */
-static APART void add_run_of_two(__global const dev_ping *ping, fan_run run, const receivers *r,
-                                 uint parts) {
+static APART void add_run_alike(__global const dev_ping *ping, fan_run run, const receivers *r,
+                                uint parts) {
     add_run(ping, run, r, parts, false);
 }
 
-#if ASDIC_TRUTH && ASDIC_HAS_MIRRORS
-static APART void add_run_of_echoes(__global const dev_ping *ping, fan_run run, const receivers *r,
-                                    uint parts) {
+#if ASDIC_TRUTH
+static APART void add_run_unlike(__global const dev_ping *ping, fan_run run, const receivers *r,
+                                 uint parts) {
     add_run(ping, run, r, parts, true);
 }
 #endif
@@ -305,13 +311,8 @@ static APART void add_alone(__global const dev_ping *ping, fan_run run, const re
             __global const fan_entry *entry = to.entry + k;
             real gain = gains(r + to.p, entry, ping->rear_lin);
             for (uint c = 0; c < DEPOSITS; c++) {
-#if ASDIC_TRUTH
-                bool echo = c < to.echoes;
-#else
-                bool echo = false;
-#endif
-                put(&to, c, r_fma((real)(entry->quanta[c]), gain, *sum_of(&to, c)), echo,
-                    echo ? add_down(entry, c, gain, R(0.0)) : R(0.0));
+                real quanta = (real)(entry->quanta[c]);
+                put(&to, c, r_fma(quanta, gain, *sum_of(&to, c)), quanta * gain * down_of(entry));
             }
         }
     }
@@ -331,13 +332,13 @@ static void add_list(__global const dev_ping *ping, __global const fan_entry *en
             add_alone(ping, run, r, sums->parts);
             continue;
         }
-#if ASDIC_TRUTH && ASDIC_HAS_MIRRORS
-        if (run.echoes == DEPOSITS) {
-            add_run_of_echoes(ping, run, r, sums->parts);
+#if ASDIC_TRUTH
+        if ((entry->truth & DEPTHS_UNLIKE) != 0u) {
+            add_run_unlike(ping, run, r, sums->parts);
             continue;
         }
 #endif
-        add_run_of_two(ping, run, r, sums->parts);
+        add_run_alike(ping, run, r, sums->parts);
     }
 }
 

@@ -13,7 +13,7 @@
 #define LEAST_RECEIVERS 16
 /* Bytes of a fan_entry and of a fan_list in fan_entry.h. */
 #define ENTRY_BYTES 32
-#define TRUTH_ENTRY_BYTES 52
+#define TRUTH_ENTRY_BYTES 40
 #define LIST_BYTES 8
 /* Blocks of rays that are sorted at the same time: some for each core of a processor, many for a GPU, fewer
  * where a table of blocks by bins would be large. */
