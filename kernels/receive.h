@@ -102,9 +102,13 @@ static truth_parts truth_of(__global const dev_ping *ping, natural words, natura
 static void add_truth_column(const world *w, truth_sink to, const truth_parts *t, uint c,
                              natural rows, real quanta, real whole) {
     natural bins = rows - t->before, besides = t->row, echoes = t->echoes;
+    mask heard = (echoes > (natural)(c)) & (quanta > R(0.0));
+    if (!any_true(heard)) {
+        return;
+    }
     real moment = TRUTH_MOMENT(quanta, t->weight, t->dither, (real)(w->ping->sums.limit));
     LANES {
-        if (c >= AT(echoes, uint) || !(AT(quanta, float) > 0.0f)) {
+        if (AT(heard, int) == 0) {
             continue;
         }
         uint bin = AT(bins, uint), row = AT(besides, uint);
