@@ -722,6 +722,16 @@ def test_beams_that_look_down_make_a_section():
                 raise AssertionError((name, found))
 
 
+def test_beams_straight_down_make_no_fan():
+    """Their yaws ascend, and turn them about their own axis."""
+    with Folder() as folder:
+        beams = "".join(f"\n    - {{name: b{i}, pitch_deg: 90, yaw_deg: {20 * i - 40}}}" for i in range(5))
+        run_of(folder, pings=1, edits={"\n    - {name: forward}\n    - {name: down, pitch_deg: 45}": beams})
+        tap.equal([name for name in pictures(folder, "r") if name.startswith("fan_")], [], "fan pictures")
+        done = asdic("render", folder / "r", "--images", "fan")
+        tap.contains(done.err, "no fan picture: it needs three beams or more at ascending bearings")
+
+
 def test_vector_pictures():
     with Folder() as folder:
         run = run_of(folder, edits={"fan]": "fan, overview, plan]"})

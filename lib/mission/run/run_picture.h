@@ -46,7 +46,7 @@ asdic_picture_options asdic_render_picture(asdic_render *render, const char *tit
 /* The path of the picture STEM NAME; freed with free(). */
 char *asdic_render_path(const asdic_render *render, const char *stem, const char *name);
 
-/* Whether the beams make a fan: three or more, aimed at ascending bearings. */
+/* Whether the beams make a fan: three or more, aimed at ascending bearings, none straight up or down. */
 bool asdic_render_has_fan(const asdic_sonar *sonar);
 
 /* Whether there is a fan picture: of such beams, of those in an upright plane (run_section.h), or of a head that
