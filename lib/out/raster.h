@@ -5,6 +5,7 @@
 #define ASDIC_OUT_RASTER_H
 
 #include <asdic/output.h>
+#include <asdic/sonar.h>
 
 typedef struct asdic_raster {
     size_t width, height;
@@ -34,6 +35,9 @@ uint32_t asdic_raster_color(const asdic_picture_options *options, double level_d
 /* One pixel per level. */
 asdic_status asdic_raster_levels(asdic_context *ctx, const asdic_waterfall *image,
                                  const asdic_picture_options *options, asdic_raster *out);
+
+/* Whether the beams make a fan by bearing: three or more, aimed at ascending bearings, none straight up or down. */
+bool asdic_beams_make_fan(const asdic_sonar *sonar);
 
 /* Where a polar sector lies in its bounding box of pixels: ahead up, starboard right. */
 typedef struct asdic_sector {

@@ -92,16 +92,6 @@ static asdic_ros_quaternion sonar_rotation(double head_rad) {
 
 /* --- making ----------------------------------------------------------------------------------- */
 
-/* Whether the beams make a fan; a scan makes its own. */
-static bool is_fan(const asdic_sonar *sonar) {
-    for (size_t i = 1; i < sonar->receiver_count; i++) {
-        if (!(sonar->receivers[i].yaw_rad > sonar->receivers[i - 1].yaw_rad)) {
-            return false;
-        }
-    }
-    return sonar->receiver_count >= 3;
-}
-
 static void aim(asdic_ros *ros) {
     const asdic_sonar *sonar = &ros->sonar;
     double wavelength_m = ros->about.sound_speed_mps / sonar->frequency_hz;
@@ -343,7 +333,7 @@ static size_t picture_bytes(const asdic_sonar *sonar, const asdic_sweep *sweep) 
 }
 
 static bool has_picture(const asdic_sonar *sonar, const asdic_sweep *sweep) {
-    return sweep->directions >= 3 || is_fan(sonar);
+    return sweep->directions >= 3 || asdic_beams_make_fan(sonar);
 }
 
 size_t asdic_ros_ping_bytes(const asdic_sonar *sonar, const asdic_sweep *sweep) {

@@ -10,6 +10,19 @@
 /* Half the width of a beam without neighbours. */
 #define LONE_BEAM_RAD (ASDIC_PI / 180.0)
 
+/* Steeper than 80 degrees a beam has hardly a bearing. */
+#define STEEP_RAD (80.0 / 180.0 * ASDIC_PI)
+
+bool asdic_beams_make_fan(const asdic_sonar *sonar) {
+    for (size_t i = 0; i < sonar->receiver_count; i++) {
+        const asdic_beam *beam = &sonar->receivers[i];
+        if (fabs(beam->pitch_rad) > STEEP_RAD || (i > 0 && !(beam->yaw_rad > beam[-1].yaw_rad))) {
+            return false;
+        }
+    }
+    return sonar->receiver_count >= 3;
+}
+
 /* Half-way bearings between neighbours; the outer beams are as wide outside as inside. */
 static double edge_of(const asdic_fan *fan, size_t edge) {
     const double *bearing = fan->bearing_rad;

@@ -411,6 +411,9 @@ static void not_all_sonars_have_a_picture(void **state) {
                                         {.length_h_m = 0.1, .yaw_rad = 0.2},
                                         {.length_h_m = 0.1, .yaw_rad = 0.2},
                                         {.length_h_m = 0.1, .yaw_rad = 0.1}};
+    static const asdic_beam steep[3] = {{.length_h_m = 0.1, .yaw_rad = 0.1},
+                                        {.length_h_m = 0.1, .yaw_rad = 0.2},
+                                        {.length_h_m = 0.1, .yaw_rad = 0.3, .pitch_rad = -1.5}};
     const asdic_sweep two = {.directions = 2, .step_rad = 0.2}, three = {3, 0.2, false};
     const struct {
         const asdic_beam *beams;
@@ -419,8 +422,8 @@ static void not_all_sonars_have_a_picture(void **state) {
         bool has;
     } rows[] = {{receivers, 3, NULL, true},  {receivers, 2, NULL, false},
                 {receivers, 1, NULL, false}, {alike, 3, NULL, false},
-                {alike + 1, 3, NULL, false}, {receivers, 1, &two, false},
-                {receivers, 1, &three, true}};
+                {alike + 1, 3, NULL, false}, {steep, 3, NULL, false},
+                {receivers, 1, &two, false}, {receivers, 1, &three, true}};
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
         asdic_sonar sonar = sonar_of(rows[i].count);
         sonar.receivers = rows[i].beams;

@@ -244,7 +244,7 @@ asdic_status asdic_run_mosaic(asdic_context *ctx, const char *folder, double cel
         m.info = asdic_run_get_info(m.run);
         m.bin_length_m = m.run->facts.bin_length_m;
         m.range_m = (double)m.info.bins * m.bin_length_m;
-        status = m.info.pings == 0 || !asdic_render_has_fan(m.info.sonar)
+        status = m.info.pings == 0 || !asdic_beams_make_fan(m.info.sonar)
                      ? asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
                                   "no mosaic of '%s': it needs a ping or more, and three beams or "
                                   "more at ascending bearings",

@@ -46,11 +46,8 @@ asdic_picture_options asdic_render_picture(asdic_render *render, const char *tit
 /* The path of the picture STEM NAME; freed with free(). */
 char *asdic_render_path(const asdic_render *render, const char *stem, const char *name);
 
-/* Whether the beams make a fan: three or more, aimed at ascending bearings, none straight up or down. */
-bool asdic_render_has_fan(const asdic_sonar *sonar);
-
-/* Whether there is a fan picture: of such beams, of those in an upright plane (run_section.h), or of a head that
- * scans. */
+/* Whether there is a fan picture: of beams that make a fan (out/raster.h), of those in an upright plane
+ * (run_section.h), or of a head that scans. */
 bool asdic_render_can_fan(const asdic_settings *settings);
 
 /* run_render_waterfall.c: all pings of a beam; its bins one to one; the strongest of all beams. */

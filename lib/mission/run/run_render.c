@@ -2,7 +2,7 @@
 
 #include "base/context.h"
 #include "base/try.h"
-#include "base/vec.h"
+#include "out/raster.h"
 #include "run_picture.h"
 #include "run_section.h"
 
@@ -101,22 +101,9 @@ static asdic_status render_pings(asdic_render *r) {
     return last > first ? render_ping(r, last) : ASDIC_OK;
 }
 
-/* Steeper than 80 degrees a beam has hardly a bearing. */
-#define STEEP_RAD (80.0 / 180.0 * ASDIC_PI)
-
-bool asdic_render_has_fan(const asdic_sonar *sonar) {
-    for (size_t i = 0; i < sonar->receiver_count; i++) {
-        const asdic_beam *beam = &sonar->receivers[i];
-        if (fabs(beam->pitch_rad) > STEEP_RAD || (i > 0 && !(beam->yaw_rad > beam[-1].yaw_rad))) {
-            return false;
-        }
-    }
-    return sonar->receiver_count >= 3;
-}
-
 bool asdic_render_can_fan(const asdic_settings *settings) {
     asdic_section section;
-    return asdic_render_has_fan(&settings->sonar) || settings->sweep.directions >= 3 ||
+    return asdic_beams_make_fan(&settings->sonar) || settings->sweep.directions >= 3 ||
            asdic_section_of(&settings->sonar, &section);
 }
 

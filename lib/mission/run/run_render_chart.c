@@ -5,6 +5,7 @@
 #include "base/try.h"
 #include "base/vec.h"
 #include "out/digits.h"
+#include "out/raster.h"
 #include "run_folder.h"
 #include "run_footprint.h"
 #include "run_picture.h"
@@ -69,7 +70,7 @@ static asdic_status find_turn(asdic_render *r, asdic_swath swath, const asdic_be
  * lobes touch, for an outline round others would enclose what no beam sees. */
 static size_t side_by_side(const asdic_sonar *sonar, size_t index, double wavelength_m) {
     size_t end = index + 1;
-    for (; end < sonar->receiver_count && !asdic_render_has_fan(sonar); end++) {
+    for (; end < sonar->receiver_count && !asdic_beams_make_fan(sonar); end++) {
         const asdic_beam *beam = &sonar->receivers[end], *before = beam - 1;
         double step_rad = beam->yaw_rad - before->yaw_rad;
         double touch_rad = asdic_footprint_half_width_rad(wavelength_m, beam->length_h_m) +
@@ -110,7 +111,7 @@ static asdic_status add_place(asdic_render *r, sketch *s, const asdic_record *re
                          is_scan ? "scan of " : "", sonar->receivers[k].name);
             } else {
                 snprintf(s->labels[k], sizeof s->labels[k], "%s%zu beams",
-                         asdic_render_has_fan(sonar) ? "fan of " : "", sonar->receiver_count);
+                         asdic_beams_make_fan(sonar) ? "fan of " : "", sonar->receiver_count);
             }
             area->label = s->labels[k];
         }
