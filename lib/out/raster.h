@@ -36,7 +36,10 @@ uint32_t asdic_raster_color(const asdic_picture_options *options, double level_d
 asdic_status asdic_raster_levels(asdic_context *ctx, const asdic_waterfall *image,
                                  const asdic_picture_options *options, asdic_raster *out);
 
-/* Whether the beams make a fan by bearing: three or more, aimed at ascending bearings, none straight up or down. */
+/* How many beams, from the first on, lie in a fan by bearing: aimed at ascending bearings, none straight up or down. */
+size_t asdic_beams_in_fan(const asdic_sonar *sonar);
+
+/* Whether the beams make a fan: three or more, and all lie in it. */
 bool asdic_beams_make_fan(const asdic_sonar *sonar);
 
 /* Where a polar sector lies in its bounding box of pixels: ahead up, starboard right. */

@@ -13,14 +13,19 @@
 /* Steeper than 80 degrees a beam has hardly a bearing. */
 #define STEEP_RAD (80.0 / 180.0 * ASDIC_PI)
 
-bool asdic_beams_make_fan(const asdic_sonar *sonar) {
-    for (size_t i = 0; i < sonar->receiver_count; i++) {
+size_t asdic_beams_in_fan(const asdic_sonar *sonar) {
+    size_t i = 0;
+    for (; i < sonar->receiver_count; i++) {
         const asdic_beam *beam = &sonar->receivers[i];
         if (fabs(beam->pitch_rad) > STEEP_RAD || (i > 0 && !(beam->yaw_rad > beam[-1].yaw_rad))) {
-            return false;
+            break;
         }
     }
-    return sonar->receiver_count >= 3;
+    return i;
+}
+
+bool asdic_beams_make_fan(const asdic_sonar *sonar) {
+    return sonar->receiver_count >= 3 && asdic_beams_in_fan(sonar) == sonar->receiver_count;
 }
 
 /* Half-way bearings between neighbours; the outer beams are as wide outside as inside. */

@@ -414,6 +414,12 @@ def test_what_cannot_be_is_said_once():
         says(done, 3, "drawn for run")
         nameless = scene(folder, a=("name: ball, ", ""))
         says(asdic("dataset", nameless, "-n", "2", "-o", folder / "f"), 3, "name")
+        fan = "receivers: {fan: {count: 48, sector_deg: 60, length_h_m: 0.1, length_v_m: 0.01}}"
+        beam = "{length_h_m: 0.1, length_v_m: 0.01, yaw_deg: %d, pitch_deg: %d}"
+        for aims, wrong in (((-10, 0), (10, 0), (5, 0)), 2), (((-10, 90), (0, 90), (10, 90)), 0):
+            beams = scene(folder, a=(fan, "receivers: [" + ", ".join(beam % aim for aim in aims) + "]"))
+            says(asdic("dataset", beams, "-n", "2", "-o", folder / "f"), 3,
+                 f"receiver {wrong} does not look farther to starboard")
         lost = scene(folder, a=("[0, 0, 6]", "[0, 0, 11]"))
         says(asdic("dataset", lost, "-n", "2", "-o", folder / "g"), 3, "drawn for run 0")
 

@@ -36,18 +36,18 @@ static asdic_status map_bearing(asdic_context *ctx, size_t beams, size_t bins,
 
 static asdic_status map_polar(asdic_context *ctx, const asdic_sonar *sonar, size_t bins,
                               double radius_px, asdic_frame_map *map) {
-    size_t beams = sonar->receiver_count;
+    size_t beams = sonar->receiver_count, good = asdic_beams_in_fan(sonar);
+    if (good < beams) {
+        return asdic_fail(ctx, ASDIC_ERROR_INPUT,
+                          "receiver %zu does not look farther to starboard than the one before it, "
+                          "or looks straight up or down: a data set needs a fan of beams from port "
+                          "to starboard",
+                          good);
+    }
     double *bearing_rad = malloc(beams * sizeof *bearing_rad);
     asdic_status status = bearing_rad ? ASDIC_OK : asdic_fail_memory(ctx, "bearings");
     for (size_t b = 0; !status && b < beams; b++) {
         bearing_rad[b] = sonar->receivers[b].yaw_rad;
-        if (b > 0 && !(bearing_rad[b] > bearing_rad[b - 1])) {
-            status =
-                asdic_fail(ctx, ASDIC_ERROR_INPUT,
-                           "receiver %zu does not look farther to starboard than the one before "
-                           "it: a data set needs a fan of beams from port to starboard",
-                           b);
-        }
     }
     if (!status) {
         const asdic_fan fan = {.bearing_rad = bearing_rad, .beams = beams, .bins = bins};
