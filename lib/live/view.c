@@ -65,17 +65,6 @@ double asdic_view_mission_speed_mps(const asdic_view *view) {
                                           way_m.z / (t1 - t0)});
 }
 
-/* Ascending bearings, in one plane. */
-static bool is_fan(const asdic_sonar *sonar) {
-    for (size_t i = 1; i < sonar->receiver_count; i++) {
-        const asdic_beam *a = &sonar->receivers[i - 1], *b = &sonar->receivers[i];
-        if (!(b->yaw_rad > a->yaw_rad) || b->pitch_rad != a->pitch_rad) {
-            return false;
-        }
-    }
-    return sonar->receiver_count > 1;
-}
-
 /* The beam that looks ahead. */
 static size_t middle_beam(const asdic_sonar *sonar) {
     size_t best = 0;
@@ -352,7 +341,7 @@ static asdic_status begin(asdic_view *view) {
     view->look = asdic_picture_options_default();
     view->look.colormap = o->colormap;
     bool scans = asdic_mission_sweep(view->mission).directions > 2;
-    view->has_fan = scans || is_fan(sonar);
+    view->has_fan = scans || asdic_beams_make_fan(sonar);
     view->shows_fan = scans || (view->has_fan && sonar->receiver_count >= FAN_BEAMS);
     view->beam = middle_beam(sonar);
     view->layout = asdic_view_lay_out(o->width, o->height);

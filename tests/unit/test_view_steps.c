@@ -353,8 +353,8 @@ static void the_window_is_of_the_first_ping(void **state) {
     }
 }
 
-/* A fan has ascending bearings in one plane, and is shown as one from twelve beams on; the first beam shown looks
- * ahead. Heads that scan make fans of more than two directions. */
+/* A fan has three ascending bearings or more, also of an array that is tilted, and is shown as one
+ * from twelve beams on; the first beam shown looks ahead. Heads that scan make fans of more than two directions. */
 static void fans_are_known(void **state) {
     (void)state;
     static const struct {
@@ -368,6 +368,12 @@ static void fans_are_known(void **state) {
         {"[{name: a, yaw_deg: 10}, {name: b, yaw_deg: 2}]", "", false, false, 1},
         {"[{name: a, yaw_deg: 3}, {name: b, yaw_deg: 5, pitch_deg: 2}]", "", false, false, 0},
         {"[{name: a, pitch_deg: -5}, {name: b, yaw_deg: 4}]", "", false, false, 1},
+        {"[{name: a, yaw_deg: -9}, {name: b, pitch_deg: 40}, {name: c, yaw_deg: 9}]", "", true,
+         false, 0},
+        {"[{name: a, yaw_deg: -9}, {name: b, pitch_deg: 85}, {name: c, yaw_deg: 9}]", "", false,
+         false, 0},
+        {"{fan: {count: 12, sector_deg: 120, pitch_deg: 10, length_h_m: 0.1, length_v_m: 0.02}}",
+         "", true, true, 5},
         {"{fan: 11}", "", true, false, 5},
         {"{fan: 12}", "", true, true, 5}, /* of the two in the middle the first */
         {"[{name: a}]", ", scan: {sector_deg: 30, step_deg: 30}", false, false, 0},
