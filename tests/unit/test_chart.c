@@ -454,8 +454,9 @@ static void footprint_in_water_that_bends(void **state) {
     asdic_footprint_finish(&area);
 }
 
-/* East of 45 degrees there is no bottom: the area ends there and returns along the range, instead of
- * by a chord through what the beam does not see. */
+/* East of 45 degrees, in the outer half of a beam, there is no bottom: the area ends there. Where
+ * there is none between 40 and 50 degrees, it returns along the range instead of by a chord through
+ * what the beam does not see. */
 static void footprint_beside_a_hole(void **state) {
     (void)state;
     enum { SIDE = 100 };
@@ -466,27 +467,31 @@ static void footprint_beside_a_hole(void **state) {
                            .south_m = -50,
                            .cell_m = 1,
                            .depth_m = depth_m};
-    for (int i = 0; i < SIDE * SIDE; i++) {
-        double north_m = 49.5 - i / SIDE, east_m = i % SIDE - 49.5;
-        depth_m[i] = east_m > fabs(north_m) ? NAN : 10.0f;
-    }
     asdic_beam beam = {.pitch_rad = 0.3, .length_h_m = 0.0075, .length_v_m = 0.05};
     asdic_swath swath = {.beams = &beam, .count = 1, .wavelength_m = 0.015, .range_m = 40};
     asdic_pose pose = {.position_m = {0, 0, 5}, .yaw_rad = 0.25 * ASDIC_PI};
     asdic_ground ground = {.relief = &relief, .plane_depth_m = INFINITY};
-    asdic_chart_area area;
-    assert_int_equal(asdic_footprint_find(ctx, &swath, &pose, &ground, &area), ASDIC_OK);
-    assert_false(area.dashed);
-    assert_int_equal(area.count, 34);
-    size_t outside = 0;
-    for (size_t i = 0; i < 34; i++) {
-        if (area.east_m[i] > area.north_m[i] + 1.0) {
-            outside++;
-            assert_true(hypot(area.north_m[i], area.east_m[i]) > 35.0);
+    for (int between = 0; between < 2; between++) {
+        double from_deg = between ? 40.0 : 45.0, to_deg = between ? 50.0 : 136.0;
+        for (int i = 0; i < SIDE * SIDE; i++) {
+            double bearing_deg = atan2(i % SIDE - 49.5, 49.5 - i / SIDE) * 180.0 / ASDIC_PI;
+            depth_m[i] = bearing_deg > from_deg && bearing_deg < to_deg ? NAN : 10.0f;
         }
+        asdic_chart_area area;
+        assert_int_equal(asdic_footprint_find(ctx, &swath, &pose, &ground, &area), ASDIC_OK);
+        assert_false(area.dashed);
+        size_t inside = 0, at_range = 0;
+        for (size_t i = 0; i < area.count; i++) {
+            double range_m = hypot(area.north_m[i], area.east_m[i]);
+            double bearing_deg = atan2(area.east_m[i], area.north_m[i]) * 180.0 / ASDIC_PI;
+            bool is_inside = bearing_deg > from_deg + 1.5 && bearing_deg < to_deg - 1.5;
+            inside += is_inside;
+            at_range += is_inside && range_m > 35.0;
+        }
+        assert_int_equal(inside, at_range);
+        assert_true(between ? area.count == 34 && inside > 0 : area.count < 24 && inside == 0);
+        asdic_footprint_finish(&area);
     }
-    assert_true(outside >= 10); /* about half of 17, there and back */
-    asdic_footprint_finish(&area);
     free(depth_m);
 }
 

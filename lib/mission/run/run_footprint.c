@@ -234,14 +234,14 @@ asdic_status asdic_footprint_find(asdic_context *ctx, const asdic_swath *s, cons
     if (out->dashed && !is_round) {
         add_point(out, s, pose, cuts[0].upper.along, 0.0);
     }
-    /* A cut that misses the bottom has no width there, at the full range: a chord between its
-     * neighbours would enclose what no beam sees. Over a plane the lobe ends beside the outermost. */
+    /* The lobe ends with the outermost cuts that meet the bottom. Between them, one that misses it
+     * has no width, at the full range: a chord between its neighbours would enclose what no beam
+     * sees. */
     size_t begin = 0, end = n;
-    bool ends_beside = !out->dashed && ground->relief->columns == 0;
-    while (ends_beside && isnan(cuts[begin].lower.at_m)) {
+    while (!out->dashed && isnan(cuts[begin].lower.at_m)) {
         begin++;
     }
-    while (ends_beside && isnan(cuts[end - 1].lower.at_m)) {
+    while (!out->dashed && isnan(cuts[end - 1].lower.at_m)) {
         end--;
     }
     for (size_t i = begin; i < end && !out->dashed; i++) {
