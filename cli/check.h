@@ -11,6 +11,12 @@
 asdic_status check_scene(cli *c, const char *path, json *j);
 asdic_status check_mesh(cli *c, const char *path, bool is_grid, json *j);
 
+/* Significant digits that tell a coordinate to a hundredth, at least LEAST: those of UTM have seven
+ * before the point. */
+int check_digits(double x, int least);
+/* Prints "AXIS LOW .. HIGH". */
+void check_span(const char *axis, double low, double high, int least);
+
 /* "KEY": [x, y, z] */
 void check_json_vec(json *j, const char *key, asdic_vec3 v);
 

@@ -1,5 +1,16 @@
 #include "check.h"
 
+#include <math.h>
+
+int check_digits(double x, int least) {
+    int whole = x == 0.0 ? 0 : (int)floor(log10(fabs(x))) + 1;
+    return whole + 2 > least ? whole + 2 : least;
+}
+
+void check_span(const char *axis, double low, double high, int least) {
+    printf("%s%.*g .. %.*g", axis, check_digits(low, least), low, check_digits(high, least), high);
+}
+
 void check_json_vec(json *j, const char *key, asdic_vec3 v) {
     json_open(j, key, '[');
     json_number(j, NULL, v.x);
@@ -29,8 +40,10 @@ static void print_text(const char *path, bool is_grid, const asdic_mesh_info *in
            is_grid ? "" : " and units");
     printf("  extent    %.4g x %.4g x %.4g\n", high->x - low->x, high->y - low->y,
            high->z - low->z);
-    printf("            x %.6g .. %.6g, y %.6g .. %.6g, z %.6g .. %.6g\n", low->x, high->x, low->y,
-           high->y, low->z, high->z);
+    check_span("            x ", low->x, high->x, 6);
+    check_span(", y ", low->y, high->y, 6);
+    check_span(", z ", low->z, high->z, 6);
+    printf("\n");
     printf("  facets    %zu triangles, %zu vertices, %zu degenerate dropped\n", info->triangles,
            info->vertices, info->dropped);
     if (info->open_edges == 0) {

@@ -96,15 +96,18 @@ static double tidy(double x_m) {
 
 static void print_object(const asdic_mission_object *o) {
     const char *moves = o->moves ? "; moves, this is at ping 0" : "";
+    const asdic_vec3 *low = &o->min_m, *high = &o->max_m;
     if (o->mesh.triangles == 0) {
-        printf("  %-11s a point at x %.4g, y %.4g, z %.4g m%s\n", o->name, o->min_m.x, o->min_m.y,
-               o->min_m.z, moves);
+        printf("  %-11s a point at x %.*g, y %.*g, z %.*g m%s\n", o->name, check_digits(low->x, 4),
+               low->x, check_digits(low->y, 4), low->y, check_digits(low->z, 4), low->z, moves);
         return;
     }
-    printf("  %-11s %zu triangle%s, x %.4g .. %.4g, y %.4g .. %.4g, z %.4g .. %.4g m%s\n",
-           o->name[0] ? o->name : "bottom", o->mesh.triangles, o->mesh.triangles == 1 ? "" : "s",
-           tidy(o->min_m.x), tidy(o->max_m.x), tidy(o->min_m.y), tidy(o->max_m.y), tidy(o->min_m.z),
-           tidy(o->max_m.z), moves);
+    printf("  %-11s %zu triangle%s, ", o->name[0] ? o->name : "bottom", o->mesh.triangles,
+           o->mesh.triangles == 1 ? "" : "s");
+    check_span("x ", tidy(low->x), tidy(high->x), 4);
+    check_span(", y ", tidy(low->y), tidy(high->y), 4);
+    check_span(", z ", tidy(low->z), tidy(high->z), 4);
+    printf(" m%s\n", moves);
     if (o->mesh.dropped > 0) {
         printf("  %-11s %zu degenerate facets dropped\n", "", o->mesh.dropped);
     }

@@ -148,6 +148,22 @@ def test_grid_is_described():
         tap.equal((grid["kind"], grid["min"], grid["max"]), ("grid", [-35, -5, 12], [5, 95, 20]))
 
 
+def test_places_in_utm_are_told_apart():
+    """Seven digits before the point: box, point, mesh and grid keep what is behind it."""
+    grid = "ncols 3\nnrows 3\nxllcorner 431200.5\nyllcorner 5984300.25\ncellsize 2\n" + "12 12 12.5\n" * 3
+    scene = MINIMAL.replace("{depth_m: 12}", "{grid: g.asc, type: sand}").replace(
+        "mission:", """objects:
+  - {name: box, box: {size_m: [1, 2, 3]}, position_m: [5984302.25, 431203, 9]}
+  - {name: p, point: 0, position_m: [5984303.75, 431204.125, 6]}
+mission:""").replace("position_m: [0, 0, 7]", "position_m: [5984302, 431203, 7]")
+    with folder(g_asc=grid, s_yaml=scene) as at:
+        said = asdic("check", "s.yaml", "g.asc", cwd=at).check(0).out
+        tap.contains(said, "x 5984301.25 .. 5984305.25, y 431201.5 .. 431205.5, z 12 .. 12.5 m\n")
+        tap.contains(said, "x 5984301.75 .. 5984302.75, y 431202 .. 431204, z 7.5 .. 10.5 m\n")
+        tap.contains(said, "a point at x 5984303.75, y 431204.12, z 6 m\n")
+        tap.contains(said, "            x 431201.5 .. 431205.5, y 5984301.25 .. 5984305.25, z 12 .. 12.5\n")
+
+
 def test_every_object_is_described():
     """A tetrahedron that lacks a face and has a degenerate one, a point, a box; of many objects the first forty."""
     open_mesh = TETRAHEDRON.replace("f 3 1 4", "f 1 1 2")
