@@ -118,7 +118,7 @@ static asdic_status check_header(const grid *g) {
 }
 
 static asdic_status read_header(grid *g) {
-    bool known = true;
+    bool known = true, is_first = true;
     g->west_m = g->south_m = g->cell_x_m = g->cell_y_m = NAN;
     g->no_data = ESRI_NO_DATA;
     g->has_no_data = true;
@@ -128,6 +128,13 @@ static asdic_status read_header(grid *g) {
             return asdic_mesh_scan_fail(g->scan, g->line.number, "ends within its header");
         }
         TRY(header_line(g, &g->line, &known));
+        if (!known && is_first) {
+            return asdic_mesh_scan_fail(g->scan, g->line.number,
+                                        "no header of an ESRI ASCII grid (ncols, nrows, ...); "
+                                        "'gdal_translate -of AAIGrid IN OUT.asc' makes one of "
+                                        "other grids, XYZ included");
+        }
+        is_first = false;
         g->line = known ? g->line : before;
     }
     if (isnan(g->cell_y_m)) {

@@ -165,6 +165,8 @@ static void refusals(void **state) {
     refuse("ncols 2\nnrows 2\nxllcorner 0\ncellsize 1\n1 2\n3 4\n",
            "g.asc: xllcorner and yllcorner");
     refuse("ncols two\nnrows 2\n", ":1: 'ncols'");
+    refuse("431200.00 5984300.00 -12.5\n431202.00 5984300.00 -12.6\n",
+           "g.asc:1: no header of an ESRI ASCII grid");
     refuse("CDF\1", "g.asc: netCDF grids");
     refuse(HEAD "NODATA_value 7\n7 7\n7 7\n", "no facet");
 }
