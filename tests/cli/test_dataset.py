@@ -434,6 +434,25 @@ def test_frames_need_the_first_ping_alone():
         asdic("dataset", path, "-n", "2", "-o", folder / "d").check(code=0)
 
 
+def test_poses_are_exact_in_utm():
+    """The manifest's positions are those that were drawn, to 0.01 mm, seven digits before the point."""
+    program.need_device()
+    with Folder() as folder:
+        path = scene(folder, a=("position_m: [9, 0, 8.8]", "position_m: [5984309, 431200, 8.8]"),
+                     b=("position_m: [6, 1, 9.2]", "position_m: [5984306, 431201, 9.2]"),
+                     c=("position_m: [0, 0, 6]", "position_m: [5984300.0625, 431200, 6]"),
+                     d=("objects[0].position_m[1]', uniform: [-2, 2]",
+                        "objects[0].position_m[0]', uniform: [5984308, 5984310]"),
+                     e=("[-2, 2]", "[431199, 431202]"))
+        asdic("dataset", path, "-n", "2", "-o", folder / "d").check(code=0)
+        for line in folder.read("d/manifest.jsonl").splitlines():
+            told = json.loads(line)
+            tap.equal(told["position_m"], [5984300.0625, 431200, 6])
+            for i, axis in enumerate((0, 1)):
+                drawn = float(told["drawn"][f"objects[{i}].position_m[{axis}]"])
+                tap.equal(round(told["objects"][i]["position_m"][axis] - drawn, 4), 0.0, f"metres off, object {i}")
+
+
 def test_a_set_is_of_all_files_that_its_scene_names():
     """A set whose sonar's file, or a mesh that is drawn, changed is another one; other files may come and go."""
     program.need_device()

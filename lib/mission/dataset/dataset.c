@@ -154,9 +154,10 @@ static asdic_status load(dataset *d, size_t index, asdic_mission **mission, buil
 
 /* --- a frame ---------------------------------------------------------------------------------- */
 
+/* Twelve digits tell 0.01 mm in UTM, too. */
 static void describe_pose(asdic_text *text, const asdic_pose *pose) {
     const double degree = 180.0 / 3.14159265358979323846;
-    asdic_text_format(text, "\"position_m\":[%.9g,%.9g,%.9g],\"attitude_deg\":[%.9g,%.9g,%.9g]",
+    asdic_text_format(text, "\"position_m\":[%.12g,%.12g,%.12g],\"attitude_deg\":[%.9g,%.9g,%.9g]",
                       pose->position_m.x, pose->position_m.y, pose->position_m.z,
                       pose->roll_rad * degree, pose->pitch_rad * degree, pose->yaw_rad * degree);
 }
