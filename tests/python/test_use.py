@@ -245,6 +245,25 @@ def test_terrain_is_the_plane():
     tap.equal(float(np.median(difference)) < 0.3, True, f"median difference {np.median(difference)} dB")
 
 
+def test_terrain_has_holes():
+    """Where depths are NAN; of a cell with three corners half stays, as of grids in files, and faces look up."""
+    depth = np.random.default_rng(3).uniform(10, 11, (9, 12))
+    depth[np.random.default_rng(4).random(depth.shape) < 0.3] = np.nan
+    scene = pool(bottom=None)
+    scene.set_terrain(np.arange(9.0), np.arange(12.0), depth)
+    [(_, corners, faces)] = scene._meshes.values()  # pylint: disable=protected-access
+    tap.equal(len(corners), int(np.isfinite(depth).sum()), "a vertex a depth")
+    a, b, c = (corners[faces[:, k], :2] for k in range(3))
+    turn = (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]
+    tap.equal(np.unique(turn).tolist(), [-1.0], "twice the area, all to one side")
+    there = np.isfinite(depth).astype(int)
+    of_cell = there[:-1, :-1] + there[1:, :-1] + there[1:, 1:] + there[:-1, 1:]
+    tap.equal(len(faces), int(np.sum(2 * (of_cell == 4) + (of_cell == 3))), "faces")
+    cells = np.floor((corners[faces, :2].mean(axis=1))).astype(int)
+    tap.equal(len(np.unique(cells, axis=0)), int(np.sum(of_cell >= 3)), "cells")
+    raises(asdic.ArgumentError, "depth_m is NAN", scene.set_terrain, [0, 1], [0, 1], [[1, np.nan], [np.nan, 1]])
+
+
 def test_arrays_are_views_that_keep_their_owner():
     need_device()
     sonar = asdic.Simulator(pool())

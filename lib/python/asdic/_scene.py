@@ -138,7 +138,7 @@ class Scene:
 
     def set_terrain(self, north_m: ArrayLike, east_m: ArrayLike, depth_m: ArrayLike,
                     material: str | Keys = "sand") -> None:
-        """A bottom from depths at the crossings of a grid: DEPTH_M[i, k] at NORTH_M[i], EAST_M[k]."""
+        """A bottom from depths at the crossings of a grid: DEPTH_M[i, k] at NORTH_M[i], EAST_M[k]; holes where it is NAN."""
         north, east, depth = (np.asarray(values, dtype=np.float64) for values in (north_m, east_m, depth_m))
         if depth.shape != (north.size, east.size) or north.ndim != 1 or east.ndim != 1 or min(depth.shape) < 2:
             raise fail(ArgumentError, f"depth_m has the shape {depth.shape}; of {north.size} north_m and {east.size} "
@@ -146,8 +146,14 @@ class Scene:
         vertices = np.stack([*np.meshgrid(north, east, indexing="ij"), depth], axis=-1).reshape(-1, 3)
         corner = np.arange(depth.size).reshape(depth.shape)
         a, b, c, d = corner[:-1, :-1], corner[1:, :-1], corner[1:, 1:], corner[:-1, 1:]
-        faces = np.stack([np.stack([a, c, b], axis=-1), np.stack([a, d, c], axis=-1)]).reshape(-1, 3)
-        self.set_bottom(vertices, faces, material)
+        there = ~np.isnan(depth.ravel())
+        has_ac = (there[a] & there[c])[..., None]  # else the other diagonal may save half of the cell
+        faces = np.stack([np.where(has_ac, np.stack([a, c, b], axis=-1), np.stack([a, d, b], axis=-1)),
+                          np.where(has_ac, np.stack([a, d, c], axis=-1), np.stack([b, d, c], axis=-1))]).reshape(-1, 3)
+        faces = faces[there[faces].all(axis=1)]
+        if len(faces) == 0:
+            raise fail(ArgumentError, "depth_m is NAN but for single places; a terrain has three neighbours or more")
+        self.set_bottom(vertices[there], (np.cumsum(there) - 1)[faces], material)
 
     def set_bottom(self, vertices: ArrayLike, triangles: ArrayLike, material: str | Keys = "sand") -> None:
         """A bottom of triangles, as of add_mesh."""
