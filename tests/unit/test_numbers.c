@@ -16,6 +16,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 /* ---- The filter, by matrices ---- */
 
@@ -464,6 +465,48 @@ static void polygons_enclose_their_pixels(void **state) {
     }
 }
 
+/* As where rough sand just covers a reef: in a frame, rings one in the other; within, each second
+ * pixel of each second row alone. The work is that of the parts' boxes, not of parts times the box of
+ * all, which here would be 300 times as much. */
+static void masks_may_be_of_many_parts(void **state) {
+    (void)state;
+    enum { SIDE = 256, RINGS = 10 };
+    uint16_t *pixels = calloc(SIDE * SIDE, sizeof *pixels);
+    uint8_t *seen = calloc(SIDE * SIDE, 1);
+    int alone = 0, got_parts;
+    long area = 0; /* that the outer edges enclose */
+    for (int ring = 0; ring < RINGS; ring++) {
+        int wide = SIDE - 4 * ring;
+        area += (long)wide * wide;
+        for (int k = 2 * ring; k < SIDE - 2 * ring; k++) {
+            int low = 2 * ring, high = SIDE - 1 - 2 * ring;
+            pixels[low * SIDE + k] = pixels[high * SIDE + k] = 1;
+            pixels[k * SIDE + low] = pixels[k * SIDE + high] = 1;
+        }
+    }
+    for (int y = 2 * RINGS; y < SIDE - 2 * RINGS; y += 2) {
+        for (int x = 2 * RINGS; x < SIDE - 2 * RINGS; x += 2, alone++) {
+            pixels[y * SIDE + x] = 1;
+        }
+    }
+    const asdic_mask mask = {SIDE, SIDE, pixels};
+    asdic_box boxes[2];
+    asdic_text text = {0};
+    clock_t start = clock();
+    asdic_mask_boxes(&mask, 1, boxes);
+    asdic_mask_polygons(&mask, &boxes[1], 1, seen, &text);
+    assert_true((double)(clock() - start) / CLOCKS_PER_SEC < 1.0);
+    char *polygons = asdic_text_take(&text);
+    assert_int_equal(doubled_area(polygons, &got_parts), 2 * (area + alone));
+    assert_int_equal(got_parts, RINGS + alone);
+    for (int i = 0; i < SIDE * SIDE; i++) {
+        assert_int_equal(seen[i], 0);
+    }
+    free(polygons);
+    free(seen);
+    free(pixels);
+}
+
 /* ---- Fans ---- */
 
 #define DEGREE (3.14159265358979323846 / 180.0)
@@ -684,6 +727,7 @@ int main(void) {
         cmocka_unit_test(groups_are_means_of_energy),
         cmocka_unit_test(polygons_enclose_their_pixels),
         cmocka_unit_test(pixels_belong_to_beams),
+        cmocka_unit_test(masks_may_be_of_many_parts),
         cmocka_unit_test(a_scan_fills_its_directions),
         cmocka_unit_test(windows_leave_out_the_rarest),
         cmocka_unit_test(gammas_have_their_moments),

@@ -32,15 +32,28 @@ static const int step_x[4] = {1, 0, -1, 0}, step_y[4] = {0, 1, 0, -1};
 static const int ahead_x[4] = {0, 0, -1, -1}, ahead_y[4] = {-1, 0, 0, -1};
 static const int beside_x[4] = {0, -1, -1, 0}, beside_y[4] = {0, 0, -1, -1};
 
+static size_t least(size_t a, long b) {
+    return (size_t)b < a ? (size_t)b : a;
+}
+
+static size_t most(size_t a, long b) {
+    return (size_t)b > a ? (size_t)b : a;
+}
+
 /* Round the part whose topmost, then leftmost pixel is (LEFT, TOP), clockwise; only corners are told. Pixels that
- * touch at a corner alone are apart. */
-static void trace(const asdic_mask *mask, uint16_t number, long left, long top, asdic_text *out) {
+ * touch at a corner alone are apart. Returns the part's box. */
+static asdic_box trace(const asdic_mask *mask, uint16_t number, long left, long top,
+                       asdic_text *out) {
     long x = left, y = top;
     int way = 0;
+    asdic_box box = {0, (size_t)left, (size_t)top, (size_t)left, (size_t)top};
     asdic_text_format(out, "[%ld,%ld", x, y);
     do {
         x += step_x[way];
         y += step_y[way];
+        box.left = least(box.left, x);
+        box.right = most(box.right, x);
+        box.bottom = most(box.bottom, y);
         bool right = is_in(mask, number, x + beside_x[way], y + beside_y[way]);
         bool on = is_in(mask, number, x + ahead_x[way], y + ahead_y[way]);
         int turn = !right ? 1 : on ? 3 : 0;
@@ -50,9 +63,10 @@ static void trace(const asdic_mask *mask, uint16_t number, long left, long top, 
         }
     } while (!(x == left && y == top && way == 0));
     asdic_text_add(out, "]");
+    return box;
 }
 
-/* Marks the part that hangs together with (X, Y), by growing marks until none is added. */
+/* Marks the part in BOX that hangs together with (X, Y), by growing marks until none is added. */
 static void mark(const asdic_mask *mask, const asdic_box *box, uint16_t number, size_t x, size_t y,
                  uint8_t *seen) {
     bool grows = true;
@@ -90,8 +104,8 @@ void asdic_mask_polygons(const asdic_mask *mask, const asdic_box *box, uint16_t 
             }
             asdic_text_add(out, is_first ? "" : ",");
             is_first = false;
-            trace(mask, number, (long)x, (long)y, out);
-            mark(mask, box, number, x, y, seen);
+            asdic_box part = trace(mask, number, (long)x, (long)y, out);
+            mark(mask, &part, number, x, y, seen);
         }
     }
     for (size_t y = box->top; y < box->bottom; y++) {
