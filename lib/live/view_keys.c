@@ -149,6 +149,10 @@ static void windier(asdic_view *v) {
 
 static void bottom(asdic_view *v, double type) {
     asdic_choices now = v->chosen;
+    if (!now.bottom.law) {
+        asdic_view_say(v, "the scene has no bottom");
+        return;
+    }
     now.bottom = asdic_material_bottom(type);
     choose(v, &now);
 }

@@ -178,7 +178,7 @@ static asdic_status build_bottom(mission_builder *b) {
     } else if (asdic_scene_node_good(bottom->grid.node)) {
         status = load_grid(b, &bottom->grid, &mesh);
     }
-    if (status || !asdic_scene_node_good(bottom->node) || b->problems->total > 0) {
+    if (status || !asdic_scene_node_good(bottom->node) || bottom->none || b->problems->total > 0) {
         asdic_mesh_destroy(&mesh);
         return status;
     }

@@ -64,6 +64,9 @@ static void ascopes_tell_which_curves_are_simulated(void **state) {
         char note[ASDIC_ASCOPE_NOTE_SIZE];
         describe(NAN, &r);
         asdic_summary summary = *r.summary;
+        asdic_run run = *r.run;
+        run.facts.bottom = i % 2 ? ASDIC_RUN_BOTTOM_NONE : ASDIC_RUN_BOTTOM_PLANE;
+        r.run = &run;
         summary.statistics.has[ASDIC_OBJECT] = cases[i].object;
         summary.statistics.has[ASDIC_MULTIPATH] = cases[i].multipath;
         r.summary = &summary;
@@ -71,6 +74,7 @@ static void ascopes_tell_which_curves_are_simulated(void **state) {
         assert_memory_equal(note, r.note, strlen(r.note));
         size_t end = strlen(note) - strlen(cases[i].parts);
         assert_string_equal(note + end, cases[i].parts);
+        assert_contains(note, i % 2 ? "expected: no bottom, no" : "expected: flat bottom, no");
         asdic_render_note_ascope(&r, false, note);
         assert_contains(note, "all curves are simulated");
         assert_null(strstr(note, "by quadrature"));

@@ -215,6 +215,11 @@ static void the_sea_follows(void **state) {
     assert_false(v->is_changed);
     press(v, "p", 20);
     assert_true(v->chosen.wind_speed_kn == 60.0);
+    v->is_changed = false;
+    press(v, "2", 1); /* of a scene without one */
+    assert_false(v->is_changed || v->chosen.bottom.law);
+    assert_non_null(strstr(v->message, "no bottom"));
+    v->chosen.bottom = asdic_material_bottom(1.5);
     for (int type = 1; type <= 4; type++) {
         const char key[] = {(char)('0' + type), '\0'};
         const asdic_material bottom = asdic_material_bottom(type);

@@ -2,6 +2,7 @@
 
 #include "base/context.h"
 #include "out/digits.h"
+#include "run_facts.h"
 #include "run_folder.h"
 
 #include <stdio.h>
@@ -76,9 +77,11 @@ void asdic_render_note_ascope(const asdic_render *r, bool has_expected,
                         : has[ASDIC_MULTIPATH]                    ? "; multipath: simulated"
                                                                   : "";
     snprintf(note, ASDIC_ASCOPE_NOTE_SIZE, "%s  \u00b7  %s%s", r->note,
-             has_expected ? "expected: flat bottom, no objects, by quadrature"
-                          : "no expected curve: the bottom is a mesh or grid; all curves are "
-                            "simulated",
+             !has_expected ? "no expected curve: the bottom is a mesh or grid; all curves are "
+                             "simulated"
+             : strcmp(r->run->facts.bottom, ASDIC_RUN_BOTTOM_NONE) == 0
+                 ? "expected: no bottom, no objects, by quadrature"
+                 : "expected: flat bottom, no objects, by quadrature",
              has_expected ? parts : "");
 }
 
