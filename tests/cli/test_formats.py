@@ -638,6 +638,60 @@ def test_a_mosaic_lies_where_it_says():
             raise AssertionError("the ball is brighter than the floor beside it")
 
 
+def test_a_mosaic_is_the_mean_of_its_pings():
+    """Cell by cell: the mean of the intensities, with gain, of the bins that lie there, of pings under way on two
+    headings, rolled and pitched."""
+    with Folder() as folder:
+        folder.write("way.csv", "time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n0,3,26,5,6,-4,0\n0.05,3,28,4,6,-4,20\n"
+                     "0.1,5,37,4,-8,5,110\n")
+        run = run_of(folder, pings=3, edits={
+            "  receivers:\n    - {name: forward}\n    - {name: down, pitch_deg: 45}":
+                "  receivers: {fan: {count: 12, sector_deg: 96, length_h_m: 0.2, length_v_m: 0.02}}\n  max_range_m: 30",
+            "mission: {pose: {position_m: [0, 0, 5]}": f"mission: {{track: {folder / 'way.csv'}"})
+        asdic("render", run, "--mosaic", folder / "m.png", "--cell", "0.8", "--colormap", "gray").check(code=0, out="")
+        said = asdic("model", "absorption", "t_degc=10", "s_ppt=35", "z_m=5", "ph=8", "f_khz=100").check(code=0).out
+        alpha = float(re.search(r"[-+.0-9e]+(?= dB/km)", said)[0])
+        texts = png_texts(data(folder, "", "m.png"))
+        numpy(f"""
+import numpy as np
+from PIL import Image
+pings, cell, reach = np.load("r/pings.npy"), 0.8, 30.0
+assert len(pings) == 3 and pings["level_db"].shape[1:] == (12, 30), pings["level_db"].shape
+x, y, z = pings["position_m"].T
+south, west = x.min() - reach, y.min() - reach
+rows, columns = int(np.ceil((x.max() + reach - south) / cell)), int(np.ceil((y.max() + reach - west) / cell))
+north = south + (np.arange(rows)[::-1, None] + 0.5) * cell + np.zeros((rows, columns))
+east = west + (np.arange(columns) + 0.5) * cell + np.zeros((rows, columns))
+total, count, clear = np.zeros((rows, columns)), np.zeros((rows, columns), int), np.ones((rows, columns), bool)
+for p in pings:
+    way = np.stack([north - p["position_m"][0], east - p["position_m"][1],
+                    np.full((rows, columns), 12.0 - p["position_m"][2])], axis=-1)
+    r = np.linalg.norm(way, axis=-1)
+    roll, pitch, yaw = p["attitude_rad"]
+    ahead = np.array([np.cos(yaw) * np.cos(pitch), np.sin(yaw) * np.cos(pitch), -np.sin(pitch)])
+    level = np.array([-np.sin(yaw), np.cos(yaw), 0.0])  # to starboard, before the roll
+    starboard = np.cos(roll) * level + np.sin(roll) * np.cross(ahead, level)
+    beam = (np.degrees(np.arctan2(way @ starboard, way @ ahead)) + 48.0) / 8.0
+    seen = (r < reach) & (beam > 0) & (beam < 12)
+    clear &= (abs(r - np.rint(r)) > 1e-4) & (abs(beam - np.rint(beam)) > 1e-4)
+    db = p["level_db"][np.clip(beam, 0, 11).astype(int), np.clip(r, 0, 29).astype(int)].astype(float)
+    seen &= np.isfinite(db)
+    total += np.where(seen, 10 ** (0.1 * (db + 30 * np.log10(r) + 2 * {alpha} * r / 1000)), 0.0)
+    count += seen
+assert (count > 1).sum() > 500, np.bincount(count.ravel())
+with np.errstate(all="ignore"):
+    shown = 10 * np.log10(total / count)
+ordered = np.sort(shown[count > 0])
+low, high = 10 * np.floor(ordered[len(ordered) // 20] / 10), 10 * np.ceil(ordered[len(ordered) * 995 // 1000] / 10)
+assert (low, high) == ({texts["db_low"]}, {texts["db_high"]}), (low, high)
+picture = np.array(Image.open("m.png").convert("RGB")).astype(int)
+assert picture.shape == (rows, columns, 3), picture.shape
+wanted = np.where(count > 0, 255 * np.clip((shown - low) / (high - low), 0, 1), 255)
+off = abs(picture[..., 0] - wanted)[clear]
+assert clear.mean() > 0.95 and off.max() < 1.5, (clear.mean(), off.max(), (off > 1.5).mean())
+""", folder / ".", "PIL")
+
+
 def test_a_mosaic_goes_without_what_it_cannot_follow():
     """Before the run is looked at: there is none."""
     with Folder() as folder:
