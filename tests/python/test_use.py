@@ -79,6 +79,40 @@ def test_pings_of_many_poses():
             same(many.pings([[1, 2, 5]])[0].level_db, single.ping(1, 2, 5).level_db, "without attitude")
 
 
+def test_simulator_keeps_the_missions_clock():
+    """A mission that begins at 30 s, of a fish that swims 100 m/s: as the run has it, flown, and in one call."""
+    need_device()
+    with tempfile.TemporaryDirectory(prefix="asdic-test-") as folder:
+        for name, row in (("way.csv", "{0},{1},1,5,0,2,0"), ("fish.csv", "{0},{2},0,5,0,0,0")):
+            with open(os.path.join(folder, name), "w", encoding="utf-8") as file:
+                file.write("time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n" + "".join(
+                    row.format(t, 0.5 * (t - 30), 100 * (t - 30) + 10) + "\n" for t in (30, 31)))
+        scene = pool(mission={"track": os.path.join(folder, "way.csv"), "pings": 4},
+                     model={"terms": "all", "refraction": "full"})
+        scene.objects = [{"name": "fish", "point": 0, "track": os.path.join(folder, "fish.csv")}]
+        run = asdic.simulate(scene)
+        tap.equal(np.allclose(run.times, [30, 30.05, 30.1, 30.15]), True, f"times {run.times}")
+        heard = [int(np.flatnonzero(np.isfinite(levels[0]))[0]) for levels in run.parts["object"]]
+        tap.equal(heard, sorted(set(heard)), "bins of the fish")
+        poses = np.hstack([run.positions, np.degrees(run.attitudes)])
+        for pings in (list(asdic.Simulator(scene).fly()), asdic.Simulator(scene).pings(poses)):
+            for k, ping in enumerate(pings):
+                same(ping.level_db, run.level_db[k], f"levels of ping {k}")
+                tap.equal(abs(ping.time - run.times[k]) < 1e-9, True, f"time {ping.time} of ping {k}")
+
+
+def test_simulator_goes_where_no_mission_does():
+    """What its scene's mission never hears is there; rays are those of `asdic serve` where the scene leaves them."""
+    need_device()
+    near = {**pool().sonar, "max_range_m": 6}
+    tap.equal([t.kept for t in asdic.plan(pool(sonar=near)).terms if t.name == "bottom"], [False], "left out of a run")
+    sonar = asdic.Simulator(pool(sonar=near))
+    tap.equal(bool(np.isfinite(sonar.ping(0, 0, 8).parts["bottom"][1]).any()), True, "the bottom 4 m below")
+    fan = {**pool().sonar, "receivers": {"fan": {"count": 256, "sector_deg": 120, "length_h_m": 1, "length_v_m": 0.05}}}
+    tap.equal(asdic.plan(pool(sonar=fan, sampling={})).rays.rays > 20000, True, "rays of a run")
+    tap.equal(asdic.Simulator(pool(sonar=fan, sampling={})).rays, 20000, "rays of a simulator")
+
+
 def test_scanned_head_turns():
     """A scan's ping is that of a mission: the head's own direction."""
     need_device()
@@ -447,6 +481,9 @@ def test_where_a_run_was():
         data = run.to_xarray()
     except ImportError:
         data = here
+    later = asdic.simulate(pool(), pings=slice(1, 3))
+    tap.equal((later.pings.tolist(), later.expect(1).index, later.expect(1).time), ([1, 2], 2, later.times[1]), "pings")
+    raises(asdic.ArgumentError, "no row of pings", asdic.simulate, pool(), pings=range(1, 4))
     for name, values in said.items():
         for told in (here[name], np.asarray(data[name])):
             tap.equal(np.allclose(told, values, rtol=0, atol=1e-12), True, f"{name}: {told}, not {values}")
@@ -552,9 +589,35 @@ def test_pictures():
     tap.equal((round(low), round(high)), (-10, 30), "its edges")
     same(np.ma.filled(axes.collections[0].get_array(), np.nan).ravel(), beside.level_db[0, ::-1].ravel(), "its levels")
     plt.close("all")
-    tap.equal(asdic.plot.ascope(run, "down", expected=run.expect()).get_ylabel(), "level, dB re 1 µPa", "A-scope")
-    tap.equal(asdic.plot.waterfall(run, 1).get_ylabel(), "time, s", "waterfall")
-    tap.equal(asdic.plot.roc(asdic.roc(pool(), object="ball", trials=1000)).get_xlabel(), "$P_{FA}$", "curve")
+    same(np.ma.filled(asdic.plot.fan(beside, 2).collections[0].get_array(), np.nan).ravel(),
+         beside.level_db[2, ::-1].ravel(), "another ping's levels")
+    plt.close("all")
+    axes, expected = asdic.plot.ascope(run, "down", ping=2, expected=run.expect(2)), run.expect(2)
+    tap.equal(axes.get_ylabel(), "level, dB re 1 µPa", "A-scope")
+    points, curve = axes.lines[0], axes.lines[-1]
+    for line, levels in ((points, run.level_db[2, 1]), (curve, expected.level_db[1])):
+        same(line.get_xdata(), run.ranges, "ranges")
+        same(np.asarray(line.get_ydata(), np.float32), levels, "levels")
+    bars = np.array([bar[:, 1] for bar in axes.collections[0].get_segments() if len(bar)])
+    there = np.isfinite(run.level_db[2, 1])
+    bar = run.stderr_db[2, 1].astype(float)[there]
+    tap.equal(bool(np.allclose(np.ptp(bars, axis=1)[-len(bar):], 2 * bar, atol=1e-4)), True, "bars of one error up and down")
+    plt.close("all")
+    axes = asdic.plot.waterfall(run, 1)
+    tap.equal(axes.get_ylabel(), "time, s", "waterfall")
+    same(np.ma.filled(axes.collections[0].get_array(), np.nan).ravel(), run.level_db[:, 1].ravel(), "its levels")
+    corners = np.array(axes.collections[0].get_coordinates())
+    tap.equal(np.round(corners[[0, -1], [0, -1]], 9).tolist(),
+              np.round([[0, run.times[0] - 0.5 * np.diff(run.times)[0]],
+                        [run.ranges[-1] + run.ranges[0], run.times[-1] + 0.5 * np.diff(run.times)[0]]], 9).tolist(), "edges")
+    plt.close("all")
+    curve = asdic.roc(pool(), object="ball", trials=1000)
+    axes = asdic.plot.roc(curve)
+    tap.equal(axes.get_xlabel(), "$P_{FA}$", "curve")
+    same(axes.lines[0].get_xdata(), curve.points["design_pfa"], "P_FA")
+    same(axes.lines[0].get_ydata(), curve.points["closed_pd"], "closed form")
+    bounds = axes.collections[0].get_paths()[0].vertices[:, 1]
+    tap.equal((bounds.min(), bounds.max()), (curve.points["pd"]["low"].min(), curve.points["pd"]["high"].max()), "bounds")
     raises(KeyError, "'aft' is none of forward, down", asdic.plot.ascope, run, "aft")
     plt.close("all")
 
