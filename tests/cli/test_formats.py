@@ -815,6 +815,61 @@ def test_vector_pictures():
         tap.equal([n for n in os.listdir(run) if n.endswith((".pdf", ".svg"))], [], "left over")
 
 
+SVG = """
+import csv, io, re
+import numpy as np
+text = open("x.svg").read()
+paths = []  # colour, closed, corners
+for style, d in re.findall(r'<path style="([^"]*)" d="([^"]*)"', text):
+    found = re.search(r"stroke:rgb\\(([^)]*)\\)", style)
+    if found:
+        rgb = "".join("%02x" % round(2.55 * float(part[:-1])) for part in found[1].split(","))
+        xy = np.array(re.findall(r"[ML] (\\S+) (\\S+)", d), float)
+        paths.append((rgb, " Z" in d, xy))
+"""
+
+
+def test_ascopes_show_the_run():
+    """Every curve of both beams, read from the vector picture: what was simulated, and what is expected."""
+    with Folder() as folder:
+        folder.write("way.csv", "time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n0,0,0,5,0,0,0\n0.1,1,0,8,0,0,0\n")
+        run = run_of(folder, pings=3, edits={
+            "mission: {pose: {position_m: [0, 0, 5]}": f"mission: {{track: {folder / 'way.csv'}"})
+        if "ascope_0.png" not in pictures(folder, "r"):
+            raise tap.Skip("built without cairo")
+        window = png_texts(data(folder, "r", "ascope_2.png"))
+        low, high = float(window["db_low"]), float(window["db_high"])
+        asdic("render", run, "--images", "ascope", "--ping", "2", "--tvg", "30", "-o", folder / "x.svg").check(code=0)
+        folder.write("e.csv", asdic("expect", folder / "pool.yaml", "--ping", "2", "-o", "-", "-q").check(code=0).out)
+        numpy(SVG + f"""
+low, high = {low}, {high}
+record = np.load("r/pings.npy")[2]
+bins = record["level_db"].shape[1]
+assert low < high and np.nanmax(np.load("r/pings.npy")["level_db"]) < high - 1.9
+rows = list(csv.DictReader(open("e.csv")))
+frames = sorted((xy for rgb, closed, xy in paths if closed and len(xy) == 5 and np.ptp(xy[:, 0]) > 800),
+                key=lambda xy: xy[:, 1].min())
+assert len(frames) == 3, len(frames)  # the last is that of the differences
+wanted = {{"e69f00": "noise_db", "009e73": "volume_db", "56b4e9": "surface_db", "0072b2": "bottom_db",
+          "b4b4b4": "total_db", "000000": "level_db", "d55e00": "object_db"}}
+for beam, (name, frame) in enumerate(zip(("forward", "down"), frames)):
+    (left, top), (right, bottom) = frame.min(0) + 0.5, frame.max(0) - 0.5
+    for rgb, column in wanted.items():
+        if column in ("level_db", "object_db"):
+            levels = record[column][beam].astype(float)
+        else:
+            levels = np.array([float(row[column] or "nan") for row in rows if row["beam"] == name])
+        curves = [xy for colour, _, xy in paths if colour == rgb]
+        x = left + (np.arange(bins) + 0.5) / bins * (right - left)
+        y = bottom - (levels - low) / (high - low) * (bottom - top)
+        there = np.isfinite(y) & (y > top + 1) & (y < bottom - 1)
+        assert there.sum() >= (2 if column == "object_db" else 5), (name, column, there.sum())
+        off = [min((abs(np.interp(u, *xy.T) - v) for xy in curves if -0.1 < u - xy[0, 0] < 0.2 + np.ptp(xy[:, 0])),
+                   default=np.inf) for u, v in zip(x[there], y[there])]
+        assert max(off) < 0.7, (name, column, max(off))
+""", folder / ".")
+
+
 def test_bins_go_to_standard_output():
     with Folder() as folder:
         run_of(folder)
