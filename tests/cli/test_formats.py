@@ -870,6 +870,39 @@ for beam, (name, frame) in enumerate(zip(("forward", "down"), frames)):
 """, folder / ".")
 
 
+def test_a_plan_shows_where_lobes_meet_the_bottom():
+    """At the first, the middle and the last ping of a vehicle that swims east, 45 degrees down: from near edge to far
+    one, and of a head that scans, over its sector round the bow."""
+    said = asdic("model", "sound-speed", "t_degc=10", "s_ppt=35", "z_m=5").check(code=0).out
+    wave = float(re.search(r"[-+.0-9e]+(?= m.s)", said)[0]) / 1e5
+    for scan, pings in ("", 5), ("  scan: {sector_deg: 90, step_deg: 6}\n", 31):
+        with Folder() as folder:
+            folder.write("way.csv", "time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n0,0,0,5,0,0,90\n10,0,500,5,0,0,90\n")
+            run = run_of(folder, pings=pings, edits={
+                "receivers:\n    - {name: forward}\n    - {name: down, pitch_deg: 45}":
+                    "receivers: [{name: down, pitch_deg: 45, length_h_m: 0.1, length_v_m: 0.08}]\n" + scan,
+                "mission: {pose: {position_m: [0, 0, 5]}": f"mission: {{track: {folder / 'way.csv'}",
+                "fan]": "fan, plan]"})
+            if "plan.png" not in pictures(folder, "r"):
+                raise tap.Skip("built without cairo")
+            asdic("render", run, "--images", "plan", "-o", folder / "x.svg", "--force").check(code=0)
+            numpy(SVG + f"""
+half_v, half_h = (np.degrees(np.arcsin(0.442946 * {wave} / length)) for length in (0.08, 0.1))
+[track] = [xy for rgb, closed, xy in paths if rgb == "d55e00" and len(xy) == 2 and xy[0, 1] > 100]
+areas = [xy for rgb, closed, xy in paths if rgb == "0072b2" and len(xy) > 20]
+scale = (track[1, 0] - track[0, 0]) / (2.5 * {pings - 1})
+assert abs(track[1, 1] - track[0, 1]) < 0.1 and len(areas) == 3, len(areas)
+near, far = (7 / np.tan(np.radians(45 + sign * half_v)) for sign in (1, -1))
+sector = {45 if scan else 0} + half_h / np.cos(np.radians(45))
+for place, area in enumerate(areas):
+    east = (area[:, 0] - track[0, 0]) / scale - 2.5 * ({pings - 1} // 2 * place)
+    south = (area[:, 1] - track[0, 1]) / scale
+    r, bearing = np.hypot(east, south), np.degrees(np.arctan2(south, east))
+    assert abs(r.min() - near) < 0.05 * near and abs(r.max() - far) < 0.05 * far, (place, r.min(), near, r.max(), far)
+    assert max(abs(abs(bearing.min()) - sector), abs(bearing.max() - sector)) < 2, (place, bearing, sector)
+""", folder / ".")
+
+
 def test_bins_go_to_standard_output():
     with Folder() as folder:
         run_of(folder)
