@@ -155,6 +155,41 @@ static void every_bad_row_is_named(void **state) {
                "F:2:1: error: not a text file: a zero byte\n");
 }
 
+/* What each column holds at most, and what is told of the next float beyond: coordinates as UTM's,
+ * times of any clock, depths of any sea, turns of any number. */
+static void columns_reach_as_far_as_they_say(void **state) {
+    (void)state;
+    const struct {
+        const char *name;
+        double low, high;
+        const char *hint;
+    } columns[] = {{"time_s", -1e12, 1e12, ""}, {"x_m", -1e7, 1e7, ""},
+                   {"y_m", -1e7, 1e7, ""},      {"z_m", 0, 11000, "; z is positive down"},
+                   {"roll_deg", -1e6, 1e6, ""}, {"pitch_deg", -1e6, 1e6, ""},
+                   {"yaw_deg", -1e6, 1e6, ""}};
+    for (size_t c = 0; c < 7; c++) {
+        for (int beyond = 0; beyond < 4; beyond++) {
+            char csv[256] = HEADER, expected[160] = "";
+            double bound = beyond & 2 ? columns[c].high : columns[c].low;
+            double value =
+                beyond & 1 ? nextafterf((float)bound, beyond & 2 ? INFINITY : -INFINITY) : bound;
+            for (size_t k = 0; k < 7; k++) {
+                size_t at = strlen(csv);
+                snprintf(csv + at, sizeof csv - at, "%.17g%s", k == c ? value : 0.0,
+                         k < 6 ? "," : "\n");
+            }
+            if (beyond & 1) {
+                snprintf(expected, sizeof expected,
+                         "F:2:%zu: error: '%s' = %.17g is out of range [%.15g, %.15g]%s\n",
+                         2 * c + 1, columns[c].name, value, columns[c].low, columns[c].high,
+                         beyond & 2 ? "" : columns[c].hint);
+            }
+            asdic_track *track = load(csv, expected);
+            asdic_track_destroy(&track);
+        }
+    }
+}
+
 static void missing_files_are_named(void **state) {
     (void)state;
     asdic_context *ctx = NULL;
@@ -217,6 +252,7 @@ int main(void) {
         cmocka_unit_test(columns_come_in_any_order),
         cmocka_unit_test(headers_are_checked),
         cmocka_unit_test(every_bad_row_is_named),
+        cmocka_unit_test(columns_reach_as_far_as_they_say),
         cmocka_unit_test(missing_files_are_named),
         cmocka_unit_test(long_tracks_are_read),
         cmocka_unit_test(tracks_have_several_holders),
