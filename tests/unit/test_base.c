@@ -4,6 +4,7 @@
 #include "asserts.h"
 
 #include "base/arena.h"
+#include "base/clear.h"
 #include "base/context.h"
 #include "base/file_read.h"
 #include "base/memory_left.h"
@@ -13,6 +14,7 @@
 #include "base/text.h"
 #include "de_locale.h"
 
+#include <regex.h>
 #include <sched.h>
 #include <stdatomic.h>
 #include <stdio.h>
@@ -239,8 +241,78 @@ static void memory_is_what_limits_leave(void **state) {
     assert_true(left < (uint64_t)1 << 50);
 }
 
+static bool fits(const regex_t *form, const char *text) {
+    return regexec(form, text, 0, NULL, 0) == 0;
+}
+
+/* Every text of up to five of these bytes, against what a grammar makes of it and strtod. */
+static void numbers_are_those_of_a_grammar(void **state) {
+    (void)state;
+    static const char bytes[] = "02.e+-,_x"; /* and its NUL */
+    regex_t zeros, number, other, digit;
+    const int flags = REG_EXTENDED | REG_NOSUB;
+    assert_int_equal(regcomp(&zeros, "^[+-]?0[0-9]", flags), 0);
+    assert_int_equal(regcomp(&number, "^[+-]?([0-9]+[.]?[0-9]*|[.][0-9]+)(e[+-]?[0-9]+)?$", flags),
+                     0);
+    assert_int_equal(regcomp(&other, "[^-0-9+.,_e]", flags), 0);
+    assert_int_equal(regcomp(&digit, "[0-9]", flags), 0);
+    for (size_t length = 0, texts = 1; length <= 5; length++, texts *= sizeof bytes) {
+        for (size_t n = 0; n < texts; n++) {
+            char text[6] = "", shown[6] = "";
+            for (size_t i = 0, left = n; i < length; i++, left /= sizeof bytes) {
+                text[i] = bytes[left % sizeof bytes];
+                shown[i] = text[i] ? text[i] : 'x';
+            }
+            bool has_digit = fits(&digit, shown), is_other = fits(&other, shown);
+            const char *want = "is not a number";
+            if (fits(&zeros, shown)) {
+                want = "is not a decimal number; leave out leading zeros";
+            } else if (fits(&number, shown)) {
+                want = isfinite(strtod(shown, NULL)) ? NULL : "is too large for a double";
+            } else if (has_digit && !is_other && strchr(shown, ',')) {
+                want = "is not a number; the decimal separator is a point, digits are not grouped";
+            } else if (has_digit && !is_other && strchr(shown, '_')) {
+                want = "is not a number; digits are not grouped";
+            }
+            double value = -1.0;
+            const char *why = asdic_number_parse(text, length, &value);
+            if (!want) {
+                assert_null(why);
+                assert_true(value == strtod(shown, NULL));
+            } else if (!why || strcmp(why, want) != 0) {
+                fail_msg("'%s' %s; expected: it %s", shown, why ? why : "is a number", want);
+            }
+        }
+    }
+    regfree(&zeros);
+    regfree(&number);
+    regfree(&other);
+    regfree(&digit);
+}
+
+/* Of any length, with anything anywhere, and nothing beside it. */
+static void what_is_cleared_is_zero(void **state) {
+    (void)state;
+    enum { MOST = 150, EDGE = 3 };
+    for (size_t length = 0; length <= MOST; length++) {
+        for (size_t at = 0; at <= length; at++) {
+            unsigned char bytes[EDGE + MOST + EDGE] = {0};
+            bytes[EDGE - 1] = bytes[EDGE + length] = 7;
+            bytes[EDGE + at] |= 0x80; /* at the very end: beside it */
+            asdic_clear(bytes + EDGE, length);
+            for (size_t i = 0; i < length; i++) {
+                assert_int_equal(bytes[EDGE + i], 0);
+            }
+            assert_int_equal(bytes[EDGE - 1], 7);
+            assert_int_equal(bytes[EDGE + length], at == length ? 0x87 : 7);
+        }
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(numbers_are_those_of_a_grammar),
+        cmocka_unit_test(what_is_cleared_is_zero),
         cmocka_unit_test(sha256_meets_published_vectors),
         cmocka_unit_test(text_grows_and_quotes),
         cmocka_unit_test(text_has_a_decimal_point),
