@@ -152,6 +152,68 @@ static void an_area_can_be_stopped(void **state) {
     free(draws);
 }
 
+typedef struct parts {
+    struct {
+        const char *what;
+        size_t calls, last, total;
+    } part[8];
+    size_t count;
+    bool is_odd;
+} parts;
+
+/* No assertion: the context is locked meanwhile. */
+static void follow(void *user, const char *what, size_t done, size_t total) {
+    parts *p = user;
+    size_t i = 0;
+    while (i < p->count && strcmp(p->part[i].what, what) != 0) {
+        i++;
+    }
+    if (i == 8) {
+        p->is_odd = true;
+        return;
+    }
+    p->is_odd |= done >= total || (i == p->count ? done > 0 : done <= p->part[i].last && done > 0);
+    p->count += i == p->count;
+    p->part[i].what = what;
+    p->part[i].last = done;
+    p->part[i].total = total;
+    p->part[i].calls++;
+}
+
+/* Each part is told from nothing done to all but the last, and of as many as there are. */
+static void progress_is_told_to_the_end(void **state) {
+    (void)state;
+    const struct {
+        const char *what;
+        size_t calls, last, total;
+    } cases[] = {{"draws", 8, 3 << 16, 200000}, /* without a target, then with one */
+                 {"draws sorted", 8, 3 << 16, 200000},
+                 {"draws placed", 8, 3 << 16, 200000},
+                 {"points", 0, 0, 0}, /* as many as the curve has */
+                 {"steps of the closed form", 401, 400, 401}};
+    asdic_roc_options options = asdic_roc_options_default();
+    asdic_roc *roc = calloc(1, sizeof *roc);
+    asdic_roc_case c = {.none = {1e-9, 5, INFINITY, 0.0}, .target_lin = 4e-9};
+    roc->trials = 200000;
+    roc->pfa = 1e-2;
+    c.rest = c.none;
+    parts p = {.count = 0};
+    asdic_context_set_progress(ctx, follow, &p);
+    assert_ok(ctx, asdic_roc_fill(ctx, &c, &options, roc));
+    asdic_context_set_progress(ctx, NULL, NULL);
+    assert_false(p.is_odd);
+    for (size_t i = 0, k; i < sizeof cases / sizeof *cases; i++) {
+        for (k = 0; k < p.count && strcmp(p.part[k].what, cases[i].what) != 0; k++) {
+        }
+        bool is_curve = cases[i].total == 0;
+        assert_true(k < p.count);
+        assert_int_equal(p.part[k].calls, is_curve ? roc->point_count : cases[i].calls);
+        assert_int_equal(p.part[k].last, is_curve ? roc->point_count - 1 : cases[i].last);
+        assert_int_equal(p.part[k].total, is_curve ? roc->point_count : cases[i].total);
+    }
+    asdic_roc_destroy(&roc);
+}
+
 static asdic_roc *compute(double snr, unsigned looks, asdic_target target, uint64_t seed) {
     asdic_roc_options options = asdic_roc_options_default();
     asdic_roc *roc = calloc(1, sizeof *roc);
@@ -336,6 +398,7 @@ static void bands_hold_what_the_laws_leave_open(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(progress_is_told_to_the_end),
         cmocka_unit_test(an_area_counts_pairs),
         cmocka_unit_test(an_area_has_bounds_by_its_places),
         cmocka_unit_test(bands_compare_end_by_end),
