@@ -307,6 +307,36 @@ static void larger_frames_have_larger_words_not_more(void **state) {
     assert_memory_equal(small_s, large_s, count * sizeof *small_s);
 }
 
+/* Whatever the frame's size and beams: the title in the middle of its strip, no word beyond the
+ * frame. */
+static void words_lie_within_the_frame(void **state) {
+    (void)state;
+    static const char *const receivers[] = {
+        THREE, "{fan: {count: 30, sector_deg: 120, length_h_m: 0.1, length_v_m: 0.02}}"};
+    const unsigned sizes[][2] = {{640, 360}, {1280, 720}, {700, 900}};
+    for (size_t i = 0; i < 6; i++) {
+        asdic_view_options o = asdic_view_options_default();
+        o.width = sizes[i / 2][0];
+        o.height = sizes[i / 2][1];
+        asdic_view *v = try_view(receivers[i % 2], "sampling: {rays: 256}", &o, ASDIC_OK);
+        step(v, 2);
+        draw(v);
+        asdic_box title = v->layout.title;
+        size_t titles = 0;
+        for (size_t k = 0; k < word_count; k++) {
+            const struct word *w = &words[k];
+            assert_true(w->x > 0.0 && w->x < o.width && w->y > 0.0 && w->y < o.height);
+            if (strstr(w->text, "t = ") || strcmp(w->text, v->title) == 0) {
+                assert_close(w->y, title.y + 0.5 * title.h, 0.15 * title.h);
+                assert_true(w->x > title.x && w->x < title.x + title.w);
+                titles++;
+            }
+        }
+        assert_int_equal(titles, 2);
+        close_view(v);
+    }
+}
+
 /* Pixels of the A-scope that are red, from LOW to HIGH of its width. */
 static size_t reds(const asdic_view *v, double low, double high) {
     asdic_view_image frame = asdic_view_get_frame(v);
@@ -724,6 +754,7 @@ static void the_camera_fills_its_panel(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(words_lie_within_the_frame),
         cmocka_unit_test(texts_lose_what_is_no_text),
         cmocka_unit_test(the_newest_ping_is_on_top),
         cmocka_unit_test(beams_are_cones),
