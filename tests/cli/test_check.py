@@ -453,4 +453,25 @@ def test_numbers_of_a_sediment_beyond_the_handbook_are_remarked():
         tap.contains(done.err, "'sediment' and 'grain_size_phi' exclude each other")
 
 
+def test_sizes_are_told_in_units_that_fit():
+    """In kB to PB, by three digits of what --json has in bytes; of the disk's room too, which others take of meanwhile."""
+    units, seen = ["kB", "MB", "GB", "TB", "PB"], set()
+    for pings in 1, 40, 30000, 10**7, 10**9:
+        for fan in "[{name: a}]", "{fan: {count: 1024, sector_deg: 90, length_h_m: 0.1, length_v_m: 0.1}}":
+            text = MINIMAL.replace("pose:", f"pings: {pings}\n  pose:").replace(
+                "[{name: forward}, {name: port, yaw_deg: -20}]", fan)
+            said = asdic("check", "-", stdin=text).check(code=0).out
+            [found] = json.loads(asdic("check", "--json", "-", stdin=text).check(code=0).out)
+            found = found["output"]
+            told = re.search(r"output +(\S+) (\S+) a ping, (\S+) (\S+) in all; (\S+) (\S+) free\n", said).groups()
+            for at, (key, off) in enumerate((("ping_bytes", 0.005), ("bytes", 0.005), ("free_bytes", 0.1))):
+                number, unit = float(told[2 * at]), units.index(told[2 * at + 1])
+                tap.equal(number < 1000 and (number >= 1 or unit == 0), True, f"{number} {units[unit]}")
+                tap.equal(abs(number * 1000**(unit + 1) / found[key] - 1) < off, True, f"{told} of {found}")
+                seen.add(unit)
+            tap.equal(found["bytes"] >= pings * found["ping_bytes"], True, "all pings")
+            tap.equal(found["fits"], found["bytes"] <= found["free_bytes"], f"{found}")
+    tap.equal(seen, set(range(5)), "units")
+
+
 tap.main(globals())
