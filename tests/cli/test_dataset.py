@@ -155,6 +155,24 @@ def test_frames_of_other_depths_are_the_same_in_parts():
             tap.equal(len(shapes), 1, "shapes")
 
 
+def test_frames_in_layers_of_water():
+    """There nothing moves, so that each frame is of a scene of its own. Layers that hardly differ show the objects
+    where one layer does."""
+    program.need_device()
+    with Folder() as folder:
+        for name, water in ("one", "sound_speed_mps: 1500"), ("layers", "sound_speed_profile: [[0, 1500], [5, 1500.01]]"):
+            path = scene(folder, rays=2000, a=("surface:", f"environment: {{{water}}}\nsurface:"))
+            asdic("dataset", path, "-n", "2", "--radius", "64", "-o", folder / name).check(code=0)
+        python("""
+import numpy as np
+from PIL import Image
+for k in range(2):
+    one, layers = (np.array(Image.open(f"{name}/polar/masks/{k:06d}.png")) for name in ("one", "layers"))
+    shown = (one > 0) | (layers > 0)
+    assert set(one[shown]) >= {1, 2} and (one != layers).sum() < 0.2 * shown.sum(), (k, (one != layers).sum(), shown.sum())
+""", folder / ".", "numpy, PIL")
+
+
 def test_labels_say_what_masks_show():
     program.need_device()
     with Folder() as folder:
