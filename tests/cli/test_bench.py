@@ -5,6 +5,9 @@ import io
 import json
 import math
 import os
+import re
+import shutil
+import subprocess
 
 import program
 import tap
@@ -45,6 +48,39 @@ def check_bias(points):
     tap.equal(len(shares) > 0 and sum(shares) / len(shares) < 0.7, True, f"bias beside the spread: {shares}")
 
 
+def check_a_point(folder, path, row):
+    """The figures of 1024 rays, of the pings as 'asdic run' writes them against 'asdic expect', from 2 m on."""
+    tap.equal((row["rays"], row["pings"]), (1024, 128))
+    asdic("run", path, "-q", "--rays", "1024", "-o", folder / "run").check(code=0)
+    exact = {bin_["bin"]: bin_["total_db"] for bin_ in
+             csv.DictReader(asdic("expect", path, "-o", "-").check(code=0).out.splitlines())}
+    off, stated, far = [], [], []
+    for bin_ in csv.DictReader(folder.read("run/bins.csv").splitlines()):
+        if int(bin_["bin"]) >= 4:
+            off.append(float(bin_["level_db"]) - float(exact[bin_["bin"]]))
+            stated.append(float(bin_["stderr_db"]))
+            far.append(int(bin_["bin"]) >= 149 - (149 - 4) // 3)
+    bins = len(off) // 128
+    tap.equal(bins, 145, "bins that are counted")
+
+    def mean(values):
+        return sum(values) / len(values)
+
+    biases = []
+    for k in range(bins):
+        ratios = [10 ** (0.1 * value) for value in off[k::bins]]
+        spread = math.sqrt(sum((r - mean(ratios)) ** 2 for r in ratios) / 128 / 127) / mean(ratios)
+        biases.append((10 * math.log10(mean(ratios))) ** 2 - (10 / math.log(10) * spread) ** 2)
+    squares = [o * o for o in off]
+    honest = [(o / d) ** 2 for o, d in zip(off, stated)]
+    far_squares, far_honest = ([v for v, is_far in zip(values, far) if is_far] for values in (squares, honest))
+    wanted = {"rms_db": math.sqrt(mean(squares)), "far_rms_db": math.sqrt(mean(far_squares)),
+              "max_db": math.sqrt(max(squares)), "bias_db": math.sqrt(max(mean(biases), 0)),
+              "true_over_stated": math.sqrt(mean(honest)), "far_true_over_stated": math.sqrt(mean(far_honest))}
+    for key, value in wanted.items():
+        tap.equal(abs(row[key] - value) < 3e-3 * value + 5e-4 * (key == "bias_db"), True, f"{key}: {row[key]}, of runs {value}")
+
+
 def check_words(text, rows):
     """What a bench says of the samplers that cross 1 dB is what the table has of them."""
     for name, row in rows.items():
@@ -64,7 +100,10 @@ def numbers(row):
 def test_error_keeps_its_goals():
     program.need_device()
     with Folder() as folder, open(os.path.join(SCENES, "bench_flat.yaml"), encoding="utf-8") as scene:
-        path = folder.write('flat, "1".yaml', scene.read())
+        # Sinking so slowly that nothing shows it, but that each ping has its own place: runs of one place take quadratures.
+        folder.write("sink.csv", "time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n0,0,0,7,0,0,0\n12.75,0,0,7.0001,0.001,0,0\n")
+        path = folder.write('flat, "1".yaml', scene.read().replace("pose: {position_m: [0, 0, 7]}\n  pings: 1",
+                                                                   "track: sink.csv"))
         done = asdic("bench", "error", "--quick", "-o", folder / "error.csv", path).check(code=0)
         rows = [numbers(row) for row in csv.DictReader(io.StringIO(folder.read("error.csv")))]
         tap.equal({(r["scene"], r["beams"], r["bins"], r["reference"]) for r in rows},
@@ -81,10 +120,11 @@ def test_error_keeps_its_goals():
         for name, points in curves.items():
             errors = [p["rms_db"] for p in points]
             tap.equal(errors, sorted(errors, reverse=True), f"{name}: error over rays")
+        check_a_point(folder, path, curves["adaptive"][2])
         check_what_follows_from_points(curves)
         check_bias(curves["beam"])
         check_words(done.out, {name: points[0] for name, points in curves.items() if points[0]["rays_for_1db"] > 0})
-        tap.equal(folder.names(), ["error.csv", 'flat, "1".yaml'], "nothing left over")
+        tap.equal(folder.names(), ["error.csv", 'flat, "1".yaml', "run", "sink.csv"], "nothing left over")
 
 
 BALL = """version: 1
@@ -113,10 +153,15 @@ def test_error_of_a_scene_without_quadrature():
 
 
 def check_pings(rows):
+    is_processor = any(
+        d["auto"] and d["kind"] == "cpu" for d in json.loads(asdic("devices", "--json").check(code=0).out))
     for row in rows:
         tap.equal(0 < row["mission_pings_per_s"] <= row["pings_per_s"], True)
         phases = ("sample", "trace", "shade", "bounce", "collect", "reduce", "levels")
         tap.equal(all(row[f"{phase}_s"] >= 0 for phase in phases), True)
+        # A processor receives after it has shaded, for few beams and for many.
+        idle = [phase for phase in phases if phase != "bounce" and is_processor and row[f"{phase}_s"] == 0]
+        tap.equal(idle, [], "phases that take no time")
 
 
 def test_pings_of_floors_and_scenes():
@@ -157,8 +202,10 @@ def test_tables_go_where_they_are_sent():
 
 def test_loop_of_a_scene():
     program.need_device()
-    out = asdic("bench", "loop", "--quick", "--json", os.path.join(SCENES, "bench_flat.yaml")).check(code=0).out
+    out = asdic("bench", "loop", "--quick", "--json", os.path.join(SCENES, "bench_flat.yaml"),
+                POCL_MAX_PTHREAD_COUNT="").check(code=0).out
     row, = json.loads(out)["rows"]
+    tap.equal(json.loads(out)["threads"], 0, "threads: as many as the device likes")
     tap.equal((row["scene"], row["pings"] > 0), ("bench_flat", True))
     tap.equal(0 < row["latency_median_s"] <= row["latency_p99_s"] <= row["latency_worst_s"], True)
 
@@ -168,9 +215,13 @@ def test_rays_of_the_terrain_and_a_mesh():
     program.need_device()
     mesh = os.path.join(SCENES, "..", "meshes", "wreck.ply")
     hits = []
-    for kernel in ("auto", "wide8", "pkt16", "frustum64", "scalar"):
-        out = asdic("bench", "rays", "--quick", "--json", "--kernel", kernel, mesh).check(code=0).out
+    # One thread, so that forms can be compared, unless somebody asks for more.
+    for kernel, option, limit, threads in (("auto", [], "", 1), ("wide8", [], "2", 2), ("pkt16", ["--threads", "2"], "1", 2),
+                                           ("frustum64", [], "", 1), ("scalar", [], "", 1)):
+        out = asdic("bench", "rays", "--quick", "--json", "--kernel", kernel, *option, mesh,
+                    POCL_MAX_PTHREAD_COUNT=limit).check(code=0).out
         rows = json.loads(out)["rows"]
+        tap.equal(json.loads(out)["threads"], threads, "threads")
         tap.equal([r["set"] for r in rows], ["cone-dense", "cone", "sphere-dense", "sphere", "sphere-random"])
         tap.equal({r["scene"] for r in rows}, {"wreck.ply"})
         tap.equal(all(0 < r["hits"] <= r["rays"] and r["rays_per_s"] > 0 for r in rows), True)
@@ -184,6 +235,28 @@ def test_rays_of_the_terrain_and_a_mesh():
 
 def test_help_measures_nothing():
     tap.contains(program.asdic_bench("fan", "--help").check(code=0, err="").out, "usage: ")
+
+
+def test_scenes_are_found_beside_the_program():
+    """In share/ beside bin/, in data/ above it, above that, below the folder one is in; where ASDIC_DATA says, there alone."""
+    program.need_device()
+    with Folder() as folder:
+        os.makedirs(folder / "a/b/bin")
+        os.makedirs(folder / "here")
+        copy = shutil.copy(program.PATH, folder / "a/b/bin/asdic")
+        libraries = os.path.join(os.path.dirname(program.PATH), "..", "lib")
+        for given, place, found in (("", None, None), ("", "here/data", "data"), ("", "data", "a/b/bin/../../../data"),
+                                    ("", "a/data", "a/b/bin/../../data"),
+                                    ("", "a/b/share/asdic", "a/b/bin/../share/asdic"), (folder / "mine", None, "mine")):
+            if place:
+                os.makedirs(folder / place + "/scenes")
+                folder.write(place + "/scenes/bench_flat.yaml", "version: 0")
+            done = subprocess.run([copy, "bench", "error", "--quick"], cwd=folder / "here", capture_output=True, text=True,
+                                  timeout=120, check=False, env={**os.environ, "ASDIC_DATA": given,
+                                                                 "LD_LIBRARY_PATH": libraries})
+            wanted = "data" if found in (None, "data") else folder / found
+            tap.equal(done.returncode, 3, f"exit code ({done.stderr})")
+            tap.equal(re.findall(r"[^ '\n]*bench_flat.yaml", done.stderr)[0], wanted + "/scenes/bench_flat.yaml")
 
 
 def test_mistakes_have_their_exit_codes():

@@ -1,4 +1,5 @@
 """Stated errors hold in scenes that nobody tuned anything on: in a few, or with 'full' in thirty."""
+import csv
 import json
 import os
 import subprocess
@@ -44,6 +45,51 @@ def test_stated_errors_hold_in_random_scenes():
             raise AssertionError(seeds)
     tap.equal(len(scenes), len(paths), "scenes")
     tap.equal(len(ruled) > 2 and 0.2 < min(ruled) and max(ruled) < 1.4, True, f"{ruled}")
+
+
+FLAT = """version: 1
+environment: {max_depth_m: 12}
+bottom: {depth_m: 12, type: sand}
+sonar:
+  frequency_khz: 100
+  ping_rate_hz: 25
+  source_level_db: 200
+  bin_length_m: 0.5
+  blanking_m: 0.5
+  transmitter: {length_h_m: 0.05, length_v_m: 0.05}
+  receivers:
+    - {name: a, length_h_m: 0.05, length_v_m: 0.05}
+    - {name: b, pitch_deg: 20, length_h_m: 0.05, length_v_m: 0.05}
+  noise: {enabled: false}
+mission: {pose: {position_m: [0, 0, 7]}, pings: 8}
+sampling: {rays: 2000, seed: 5, multipath: off}
+output: {images: []}
+"""
+
+
+def test_figures_are_those_of_runs():
+    """Each seed's, of eight pings as 'asdic run' writes them against 'asdic expect', from 2 m on, where the surface begins."""
+    program.need_device()
+    with Folder() as folder:
+        path = folder.write("flat.yaml", FLAT)
+        rows = json.loads(program.asdic("bench", "honest", "--quick", "--json", path).check(code=0).out)["rows"]
+        tap.equal([(row["beams"], row["bins"], row["rays"], row["seed"]) for row in rows], [(2, 59, 2000, k) for k in range(3)])
+        text = program.asdic("expect", path, "-o", "-").check(code=0).out
+        exact = {(row["beam"], row["bin"]): row["total_db"] for row in csv.DictReader(text.splitlines())}
+        for k, row in enumerate(rows):
+            program.asdic("run", path, "-q", "--seed", 5 + k, "-o", folder / f"r{k}").check(code=0)
+            off, stated = [], []
+            for bin_ in csv.DictReader(folder.read(f"r{k}/bins.csv").splitlines()):
+                if int(bin_["bin"]) >= 4 and bin_["level_db"]:
+                    off.append(float(bin_["level_db"]) - float(exact[bin_["beam"], bin_["bin"]]))
+                    stated.append(float(bin_["stderr_db"]))
+            tap.equal(len(off), 2 * 8 * 55, "bins that are counted")
+            ratios = [(a / b) ** 2 for a, b in zip(off, stated)]
+            wanted = {"true_over_stated": sum(ratios) ** 0.5, "true_db": sum(a * a for a in off) ** 0.5,
+                      "stated_db": sum(b * b for b in stated) ** 0.5}
+            for key, root in wanted.items():
+                tap.equal(abs(row[key] / root * len(off) ** 0.5 - 1) < 1e-4, True, f"{key} {row[key]}, {root}")
+            tap.equal(row["beyond"] * len(off), sum(ratio > 25 for ratio in ratios), "bins beyond five stated errors")
 
 
 def test_mirrors_are_part_of_the_truth():
