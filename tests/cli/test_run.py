@@ -59,6 +59,46 @@ def test_error_is_said():
         tap.equal(abs(float(printed.group(1)) / rms - 1) < 0.06, True, done.err)
 
 
+LONG_BINS = """version: 1
+environment: {max_depth_m: 20, particle_density: high}
+surface: {enabled: false}
+bottom: {depth_m: 20, type: mud}
+sonar:
+  frequency_khz: 1000
+  max_range_m: 24
+  source_level_db: 220
+  bin_length_m: 8
+  blanking_m: BLANKING
+  transmitter: {length_h_m: 0.005, length_v_m: 0.005}
+  receivers: RECEIVERS
+  noise: {enabled: false}
+mission: {pose: {position_m: [0, 0, 7]}}
+sampling: {rays: 60000}
+output: {images: []}
+"""
+
+
+def test_water_ends_at_the_floor_within_a_bin():
+    """In bins so long that sound fades by decibels within one, as the quadrature has it: the floor begins 5 m into the second.
+    A beam, and so many that they are summed in another way; water from within the first bin on."""
+    program.need_device()
+    with Folder() as folder:
+        for receivers, blanking, beams in (
+                ("[{name: down, pitch_deg: 90, length_h_m: 0.05, length_v_m: 0.05}]", 2, 1),
+                ("{fan: {count: 40, sector_deg: 60, pitch_deg: 60, length_h_m: 0.03, length_v_m: 0.05}}", 5.5, 40)):
+            path = folder.write("long.yaml", LONG_BINS.replace("RECEIVERS", receivers).replace("BLANKING", str(blanking)))
+            asdic("run", path, "-q", "-f", "-o", folder / "out").check(code=0)
+            text = asdic("expect", path, "-o", "-").check(code=0).out
+            found = list(csv.DictReader(data(folder, "out", "bins.csv").decode().splitlines()))
+            exact = list(csv.DictReader(text.splitlines()))
+            tap.equal(len(found), 3 * beams, "bins")
+            for name in "bottom_db", "volume_db":
+                for a, b in zip(found, exact):
+                    off = abs(float(a[name] or 0) - float(b[name] or 0))
+                    tap.equal((a[name] == "", off < 0.15), (b[name] == "", True),
+                              f"{name} of beam {a['beam']}, bin {a['bin']}: {a[name]}, by quadrature {b[name]}")
+
+
 def test_rays_follow_the_sonar():
     """Without a number a fan of many beams gets more than 20,000 rays; few rays are remarked on."""
     program.need_device()
@@ -171,6 +211,31 @@ def test_binary_and_text_agree():
                 raise AssertionError("numpy reads something else")
 
 
+def check_windows(folder, low, high):
+    """An A-scope reaches 20 dB below the waterfalls' window, and over the loudest bin by 2 dB; the overview holds the
+    strongest echo of every ping and beam, with its gain, and nothing else."""
+    if "ascope_0.png" not in pictures(folder, "r"):
+        return
+    rows = list(csv.DictReader(data(folder, "r", "bins.csv").decode().splitlines()))
+    most = max(float(row[part]) for row in rows for part in ("level_db", "object_db") if row[part])
+    scope = png_texts(data(folder, "r", "ascope_0.png"))
+    tap.equal((float(scope["db_low"]), float(scope["db_high"])),
+              (low - 20, max(high, 10 * math.ceil((most + 2) / 10))), "window of an A-scope")
+    asdic("render", folder / "r", "--images", "overview", "-o", folder / "overview.png").check(code=0)
+    whole = png_texts(data(folder, "", "overview.png"))
+    loss = re.fullmatch(r"40 log r \+ (\S+) r dB", whole["gain"])[1]
+    strongest = {}
+    for row in rows:
+        r = float(row["range_m"])
+        if row["level_db"] and float(row["level_db"]) > float(row["noise_db"]) + 10:
+            shown = float(row["level_db"]) + 40 * math.log10(r) + float(loss) * r
+            at = row["ping"], row["beam"]
+            strongest[at] = max(strongest.get(at, shown), shown)
+    tap.equal((float(whole["db_low"]), float(whole["db_high"])),
+              (10 * math.floor(min(strongest.values()) / 10), 10 * math.ceil(max(strongest.values()) / 10)),
+              f"window of the overview of {strongest}")
+
+
 def test_pictures_say_what_they_show():
     program.need_device()
     with Folder() as folder:
@@ -188,6 +253,7 @@ def test_pictures_say_what_they_show():
             data(folder, "r", "bins.csv").decode().splitlines()) if row["level_db"])
         tap.equal((low, high), (10 * math.floor(levels[len(levels) // 20] / 10),
                                 10 * math.ceil(levels[len(levels) * 995 // 1000] / 10)), "window")
+        check_windows(folder, low, high)
         tap.equal(texts["Description"], "100 kHz, bandwidth 10 kHz  \u00b7  bins of 1 m  \u00b7  "
                   "source level 200 dB re 1 \u00b5Pa at 1 m", "subtitle")
         if shutil.which("pngcheck"):
@@ -299,6 +365,49 @@ def test_fan_pictures():
                            "length_h_m: 0.1, length_v_m: 0.05}"), "-o", folder / "s").check(code=0)
         tap.equal(len([n for n in pictures(folder, "s") if n.startswith("waterfall_")]), 1,
                   "waterfalls of a fan")
+
+
+def test_a_plan_outlines_beams_side_by_side():
+    """A fan has one area; of other beams those have whose lobes touch, from port to starboard: an outline round more would
+    enclose what none sees."""
+    program.need_device()
+    port, starboard = [-60 + 5 * i for i in range(5)], [40 + 5 * i for i in range(5)]
+    with Folder() as folder:
+        for yaws, length_m, areas in ((port + starboard, 0.1, 1), (starboard + port, 0.1, 2), (starboard + port, 1, 10),
+                                      (port + port + starboard, 0.1, 3)):
+            beams = ", ".join(f"{{name: b{i}, yaw_deg: {yaw}, pitch_deg: 10, length_h_m: {length_m}}}"
+                              for i, yaw in enumerate(yaws))
+            path = folder.write("s.yaml", "version: 1\nbottom: {depth_m: 12}\n"
+                                "sonar: {frequency_khz: 100, source_level_db: 200, ping_rate_hz: 20, bin_length_m: 1, "
+                                f"receivers: [{beams}]}}\nmission: {{pose: {{position_m: [0, 0, 7]}}}}\n"
+                                "sampling: {rays: 100}\noutput: {images: [plan], csv: none}\n")
+            asdic("run", path, "-q", "-f", "-o", folder / "r").check(code=0)
+            if "plan.png" not in pictures(folder, "r"):
+                raise tap.Skip("built without cairo")
+            asdic("render", folder / "r", "--images", "plan", "-o", folder / "plan.svg", "--force").check(code=0)
+            tap.equal(folder.read("plan.svg").count("fill-opacity:0.2;"), areas, f"areas of beams at {yaws}, {length_m} m long")
+
+
+def test_pictures_are_the_same_drawn_later():
+    """Of records with all parts, with those that a scene can have, and with none: to the byte what the run itself drew."""
+    program.need_device()
+    with Folder() as folder:
+        text = data(folder, "", os.path.basename(scene(folder, pings=4))).decode()
+        sizes = []
+        for records in "full", "compact", "levels":
+            path = folder.write("pool.yaml", text.replace(
+                "npy: true, images: [waterfall, ascope, fan]",
+                f"images: [waterfall, ascope, fan, overview, plan], records: {records}"))
+            asdic("run", path, "-q", "-f", "-o", folder / "r").check(code=0)
+            drawn = {name: data(folder, "r", name) for name in pictures(folder, "r")}
+            sizes.append(len(data(folder, "r", "pings.npy")))
+            for name in drawn:
+                os.remove(folder / "r/" + name)
+            asdic("render", folder / "r", "--images", "waterfall,ascope,fan,overview,plan").check(code=0)
+            again = {name: data(folder, "r", name) for name in pictures(folder, "r")}
+            tap.equal(sorted(again), sorted(drawn), f"pictures of {records} records")
+            tap.equal([name for name in drawn if drawn[name] != again[name]], [], f"drawn otherwise of {records} records")
+        tap.equal(sizes, sorted(set(sizes), reverse=True), "bytes of the records")
 
 
 def test_render_draws_again():
