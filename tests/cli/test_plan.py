@@ -141,4 +141,48 @@ def test_the_error_is_that_of_the_first_ping():
         tap.contains(text, "per block of 32: about ")
 
 
+OMNI = """version: 1
+environment: {max_depth_m: 500, wind_speed_kn: WIND, particle_density: -60}
+bottom: {depth_m: 500}
+sonar:
+  frequency_khz: 100
+  max_range_m: 60
+  source_level_db: 190
+  bin_length_m: BIN
+  blanking_m: BLANKING
+  transmitter: {length_h_m: 0.001, length_v_m: 0.001}
+  receivers: [{name: a, pitch_deg: -60, length_h_m: 0.001, length_v_m: 0.001}]
+mission: {pose: {position_m: [0, 0, DEPTH]}}
+"""
+
+
+def test_bounds_are_what_they_say():
+    """Of the surface a whole ring in the first bin at full gain, in closed form; of the water no less than a sonar with the
+    least of apertures hears by quadrature, and not much more."""
+    with Folder() as folder:
+        for depth, bin_m, blanking, wind in (7, 0.5, 0.3, 10), (2, 0.25, 0.3, 20), (1, 2, 5, 20), (9, 1, 1, 30), (3.3, 0.5, 4, 5):
+            text = OMNI
+            for key, value in (("DEPTH", depth), ("BIN", bin_m), ("BLANKING", blanking), ("WIND", wind)):
+                text = text.replace(key, str(value))
+            path = folder.write("omni.yaml", text)
+            done = asdic("plan", path, "--no-forecast", "--json", "-q", **NO_DEVICE).check(code=0)
+            terms = {term["name"]: term for term in json.loads(done.out)["terms"]}
+            alpha = float(re.search(r"(\S+) dB/km at 100 kHz", asdic("check", path).check(code=0).out)[1])
+            exact = list(csv.DictReader(asdic("expect", path, "-o", "-").check(code=0).out.splitlines()))
+            noise_db = float(exact[-1]["noise_db"])
+
+            def above_noise(name):
+                return 10 * math.log10(10 ** (0.1 * terms[name]["bound_db"]) - 1)
+
+            near = bin_m * math.floor(max(depth, blanking) / bin_m)
+            grazing = math.degrees(math.asin(min(1, depth / near)))
+            scatter = asdic("model", "surface-backscatter", f"wind_kn={wind}", "f_khz=100",
+                            f"grazing_deg={grazing}").check(code=0)
+            ring = (190 + float(scatter.out.split()[0]) + 10 * math.log10(2 * math.pi * (near + bin_m / 2) * bin_m)
+                    - 40 * math.log10(near) - 2e-3 * alpha * near - noise_db)
+            tap.equal(abs(above_noise("surface") - ring) < 0.1, True, f"{above_noise('surface')} dB, in closed form {ring}")
+            loudest = max(float(row["volume_db"]) for row in exact if row["volume_db"]) - noise_db
+            tap.equal(0 < above_noise("volume") - loudest < 7, True, f"{above_noise('volume')} dB, by quadrature {loudest}")
+
+
 tap.main(globals())
