@@ -44,6 +44,34 @@ def sight_row(seen, beam):
     return row
 
 
+BUOY = """version: 1
+environment: {particle_density: -200}
+surface: {enabled: false}
+bottom: {depth_m: 12, sediment: medium_sand}
+objects: [{name: buoy, point: -22, position_m: [40, 0, 7]}]
+sonar: {frequency_khz: 100, bandwidth_khz: 1.5, bin_length_m: 0.5, ping_rate_hz: 10, speckle: rayleigh,
+        noise: {enabled: false}, receivers: [{name: forward}]}
+mission: {pose: {position_m: [0, 0, 7]}}
+sampling: {rays: 4000}
+detector: {pfa: 1.0e-3}
+output: {images: [], csv: none}
+"""
+
+
+def test_bands_are_those_of_the_laws_error():
+    """A point that fades as its background does, of one look: P_D = P_FA^(1 / (1 + snr)), where the threshold was set for
+    the bottom by quadrature; and the handbook leaves 5 dB of the bottom open, which moves the threshold with it."""
+    need_device()
+    with Folder() as folder:
+        made(folder, BUOY)
+        seen, = report(folder)["objects"]
+        snr, pd = 10 ** (0.1 * seen["snr_db"]), seen["pd"]
+        tap.equal(abs(pd - 1e-3 ** (1 / (1 + snr))) < 1e-2, True, f"P_D {pd} at {seen['snr_db']} dB")
+        for end, shift_db in ("low", -5), ("high", 5):
+            exact = pd ** ((1 + snr) / (1 + snr * 10 ** (0.1 * shift_db)))
+            tap.equal(abs(seen["model_pd"][end] - exact) < 1e-5, True, f"{seen}: {end} in closed form {exact}")
+
+
 def test_text_says_what_json_says():
     need_device()
     with Folder() as folder:
