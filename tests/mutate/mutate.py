@@ -5,11 +5,13 @@
     ./dev mutate --unrun
 
 A copy of the tree is built in build/mutate, once, and once more to measure which default test runs which
-line (about three times what the tests take; with --quick of the quick ones only). Each slip is compiled there; one that does not compile, or leaves the object file as it was, does not
-count. Then the default tests that run its line follow, up to the first failure: those first that have
-noticed a slip of the file, then those that name what the file defines, the quick before the slow. What no
-quick test notices waits for others, which then run through the slow tests together; when those fail, half of
-them at a time. With --most a slip gets no more tests, in that order, than take so long together. --list shows the slips that would be drawn first, and tries none; --unrun lists the lines that no default test runs.
+line (about three times what the tests take; with --quick of the quick ones only). Each slip is compiled there;
+one that does not compile, or leaves all object files as they were, does not count. Then the default tests that
+run its line follow, up to the first failure: those first that have noticed a slip of the file, then those that
+name what the file defines, the quick before the slow. What no quick test notices waits for others, which then
+run through the slow tests together; when those fail, half of them at a time. With --most a slip gets no more
+tests, in that order, than take so long together. --list shows the slips that would be drawn first, and tries
+none; --unrun lists the lines that no default test runs.
 
 Slips known to change nothing that matters stand in harmless.txt, each with its reason; they are not tried.
 The report tells by folder how many of the others were noticed. Exit code 1: fewer than 95 of 100 were.
@@ -89,15 +91,15 @@ def compiled(targets=()):
     return run(["ninja", "-C", BUILD, *targets]).returncode == 0
 
 
+def objects():
+    """What every slip of lib and cli is compiled into."""
+    return [path for made in ("lib/libasdic*.p", "cli/asdic.p") for path in BUILD.glob(f"{made}/*.o")]
+
+
 def code_of(path):
-    """A digest of a source's machine code; None of a header or kernel, which has none of its own."""
-    top, rest = path.split("/", 1)
-    target = {"lib": "libasdic*.p", "cli": "asdic.p"}.get(top)
-    found = sorted((BUILD / top).glob(f"{target}/{rest.replace('/', '_')}.o")) if target else []
-    if not found:
-        return None
+    """A digest of an object file's machine code."""
     bare = WORK / "bare.o"
-    run(["objcopy", "--strip-debug", found[0], bare])
+    run(["objcopy", "--strip-debug", path, bare])
     return hashlib.sha256(bare.read_bytes()).hexdigest()
 
 
@@ -314,8 +316,7 @@ class Session:
         self.coverage = measure(SLOWEST_S if self.quick_s is None else SLOWER * self.quick_s)
         configure(BUILD)
         compile_clean(BUILD)
-        self.code = {str(path): code_of(str(path)) for top in ("lib", "cli")
-                     for path in (file.relative_to(TREE) for file in (TREE / top).rglob("*.c"))}  # fmt: skip
+        self.code = {path: code_of(path) for path in objects()}
         self.tests = [test for test in default_tests(BUILD) if self.coverage.measured(test.name, test.text)]
         for test in self.tests:
             test.seconds = self.coverage.seconds(test.name)
@@ -330,6 +331,11 @@ class Session:
         tests = self.tests if names is None else [test for test in self.tests if test.name in names]
         ordered = in_order(tests, slip.path, (TREE / slip.path).read_text(), self.lucky.get(slip.path, {}))
         return ordered if self.most_s is None else within(ordered, self.most_s)
+
+    def changes(self, slip):
+        """Whether a slip that was put in is anything to a program: no object may be another, of a header above all."""
+        return slip.path.startswith("kernels/") or any(
+            code_of(path) != self.code.get(path) for path in objects() if path.stat().st_mtime >= self.tree.since)
 
     def record(self, slip, by):
         to = self.noticed if by else self.missed
@@ -347,7 +353,7 @@ class Session:
         if is_harmless(slip, self.harmless):
             self.spared.setdefault(folder_of(slip.path), []).append(slip)
             return True
-        if not self.tree.put([slip]) or self.code.get(slip.path, "") == code_of(slip.path):
+        if not self.tree.put([slip]) or not self.changes(slip):
             return False
         running = self.running(slip)
         quick = [test for test in running if test.seconds <= QUICK_S]
