@@ -260,6 +260,46 @@ static void runs_take_what_is_the_same(void **state) {
     asdic_mission_destroy(&run);
 }
 
+/* Another file under the same name, another scale and another direction upward
+ * are read anew. */
+static void runs_take_no_mesh_that_is_another(void **state) {
+    workshop *w = *state;
+    static const struct {
+        const char *mesh, *more;
+        double wide_m, high_m;
+    } cases[] = {
+        {"v 0 0 0\nv 1 0 0\nv 0 1 4\nf 1 2 3\n", "", 1, 4},
+        {NULL, "", 1, 4},
+        {"v 0 0 0\nv 2.0 0 0\nv 0 2 4\nf 1 2 3\n", "", 2, 4},
+        {NULL, ", scale: 3", 6, 12},
+        {"v 0 0 0\nv 2 0 0\nv 0 2 4\nv 5 5 5\nf 1 2 3\nf 1 2 4\n", ", scale: 3", 15, 15},
+        {NULL, ", scale: 3, z_up: false", 15, 15},
+        {NULL, ", scale: 1, z_up: false", 5, 5},
+    };
+    asdic_mission *before = NULL;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char rest[400];
+        if (cases[i].mesh) {
+            write_file(w, "m.obj", cases[i].mesh);
+        }
+        snprintf(rest, sizeof rest,
+                 "bottom: none\nobjects:\n  - {name: a, mesh: {file: m.obj%s}, position_m: [30, "
+                 "30, 50], "
+                 "type: rock}\n",
+                 cases[i].more);
+        write_scene(w, rest, "objects[0].position_m[0]", 20, 40);
+        asdic_mission *now = load_run(w, i, before);
+        const asdic_mission_object *o = asdic_mission_get_object(now, 0);
+        assert_close(o->max_m.y - o->min_m.y, cases[i].wide_m, 1e-5);
+        assert_close(o->max_m.z - o->min_m.z, cases[i].high_m, 1e-5);
+        bool is_up = strstr(cases[i].more, "z_up") == NULL;
+        assert_close(is_up ? o->max_m.z : o->min_m.z, 50, 1e-5);
+        asdic_mission_destroy(&before);
+        before = now;
+    }
+    asdic_mission_destroy(&before);
+}
+
 /* Of one of many runs whose scenes differ in places alone the scene is the first one's; the box is moved, and is a
  * cube over the old one's diagonal, sqrt(1 + 4 + 9) to each side, where the object is turned. */
 static void runs_of_many_borrow_their_scene(void **state) {
@@ -362,6 +402,7 @@ int main(void) {
         cmocka_unit_test(materials_read_their_files),
         cmocka_unit_test(range_is_that_of_the_sonars_depth),
         cmocka_unit_test(runs_take_what_is_the_same),
+        cmocka_unit_test(runs_take_no_mesh_that_is_another),
         cmocka_unit_test(runs_of_many_borrow_their_scene),
         cmocka_unit_test(programs_have_the_defaults_of_scenes),
     };
