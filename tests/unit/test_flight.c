@@ -347,6 +347,36 @@ static void altitude_is_held_over_the_bottom(void **state) {
     }
 }
 
+static double shoal_m(const void *user, double north_m, double east_m) {
+    (void)user;
+    (void)east_m;
+    return north_m > 100 && north_m < 200 ? 4 : 12;
+}
+
+/* Where the water is less deep than the altitude that is asked for, the vehicle is at the surface. */
+static void altitude_ends_at_the_surface(void **state) {
+    (void)state;
+    const double points_m[] = {0, 0, 9, 300, 0, 9};
+    for (int k = 0; k < 2; k++) {
+        asdic_flight flight = k ? remus100(points_m, 2, 1.5) : nomoto(points_m, 2, 1.5, 5, 1, 0.3);
+        flight.altitude_m = 6;
+        flight.bottom_m = shoal_m;
+        asdic_track *track = fly(flight);
+        double least_m = 99;
+        for (size_t i = 0; i < track->count; i++) {
+            const track_point *p = &track->points[i];
+            least_m = fmin(least_m, p->z_m);
+            if (p->x_m > 160 && p->x_m < 200) {
+                assert_close(p->z_m, 0, 0.05);
+            } else if (p->x_m < 100 || p->x_m > 270) {
+                assert_close(p->z_m, 6, 0.05);
+            }
+        }
+        assert_true(least_m >= 0);
+        asdic_track_destroy(&track);
+    }
+}
+
 /* A small generator of its own, the same everywhere. */
 static double draw(uint32_t *state) {
     *state ^= *state << 13;
@@ -415,6 +445,7 @@ int main(void) {
         cmocka_unit_test(remus_flies_a_box),
         cmocka_unit_test(current_is_met_by_a_crab_angle),
         cmocka_unit_test(altitude_is_held_over_the_bottom),
+        cmocka_unit_test(altitude_ends_at_the_surface),
         cmocka_unit_test(any_waypoints_come_to_an_end),
         cmocka_unit_test(a_waypoint_out_of_reach_is_named),
     };
