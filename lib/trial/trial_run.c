@@ -26,7 +26,7 @@
 #define HAIR_M 1e-9
 
 #define MOST_PINGS 1000000
-/* So near its end a run is over. */
+/* So near its end a run, or a manoeuvre, is over. */
 #define INSTANT_S 1e-9
 #define FASTEST_MPS 50.0
 /* One that is slower than this gets nowhere. */
@@ -135,7 +135,7 @@ static void apply_rule(run *r, bool fires, double side) {
     uint64_t window = plan->of >= 64 ? r->seen : r->seen & (((uint64_t)1 << plan->of) - 1);
     bool is_enough = fires && (unsigned)__builtin_popcountll(window) >= plan->hits;
     if (!is_enough || plan->manoeuvre == ASDIC_HOLD) {
-        if (r->gives_way && r->time_s >= r->until_s) {
+        if (r->gives_way && r->time_s > r->until_s - INSTANT_S) {
             r->gives_way = false;
             r->order = (asdic_order){0};
         }

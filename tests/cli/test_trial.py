@@ -228,6 +228,17 @@ def test_a_climb_does_not_dive():
             tap.equal(abs(depths_m[-1] - least_m) < 0.05, True, f"{depths_m}")
 
 
+def test_a_hold_of_tenths_is_as_long_as_it_says():
+    """What lasts until a ping ends there, though neither its time nor the hold is a whole number of bits."""
+    scene = EMPTY.replace("ping_rate_hz: 2", "ping_rate_hz: 10").replace("{rule: {", "{ideal: {pd: 0, pfa: 0.3}, rule: {")
+    with Folder() as folder:
+        for hold_s in (0.3, 0.2999):
+            fly(folder, folder.write("tenths.yaml", scene.replace("hold_s: 1000", f"hold_s: {hold_s}")), 20)
+            os.rename(folder / "out", folder / f"held_{hold_s}")
+        tenths, less = ([row["manoeuvres"] for row in rows(folder, f"held_{hold_s}")] for hold_s in (0.3, 0.2999))
+        tap.equal(tenths, less)
+
+
 def test_what_moves_is_met_where_it_is():
     """A boat of 1 m that crosses the way at 1 m/s when the vehicle is there, at 20 s, or 10 s before: then it is missed
     by |(1.5, 1) x (15, 0)| / |(1.5, 1)| less its radius and the hull's. One of 0.5 m at 25 m/s, which goes 25 m from one
