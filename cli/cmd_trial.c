@@ -405,7 +405,7 @@ static int run(cli *c) {
         return CLI_USAGE;
     }
     bool is_worker = cli_team_is_worker(team);
-    if (read_request(c, &r)) {
+    if (read_request(c, &r) && !(r.replay && is_worker)) { /* one run is one process's */
         char *own = r.options.folder ? NULL : default_folder(&r);
         r.options.folder = r.options.folder ? r.options.folder : own;
         code = r.options.folder ? fly(c, &r, team) : CLI_FAILED;

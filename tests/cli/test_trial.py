@@ -576,6 +576,14 @@ def test_several_processes():
         for name in ("trial.csv", "trial.json", "trial.png"):
             tap.equal(data(folder, "team", name), data(folder, "alone", name), name)
         tap.equal(sorted(os.listdir(folder / "team")), ["trial.csv", "trial.json", "trial.png"])
+        # A run again is one process's: the others, here in a folder of their own, write nothing.
+        os.mkdir(folder / "other")
+        apart = f'cd {folder.path} && test "$OMPI_COMM_WORLD_RANK" = 0 || cd other; exec {program.PATH} "$@"'
+        done = subprocess.run(["mpirun", "-n", "2", "--bind-to", "none", "--oversubscribe", "sh", "-c", apart, "sh",
+                               "trial", path, "--replay", "3", "-o", "again"], check=False,
+                              capture_output=True, timeout=100, env=program.environment(root))
+        tap.equal(done.returncode, 0, done.stderr)
+        tap.equal((os.path.exists(folder / "again/track.csv"), os.listdir(folder / "other")), (True, []))
 
 
 def test_changed_files_are_another_trial():
