@@ -9,6 +9,7 @@
 #include "trial_run.h"
 
 #include "base/context.h"
+#include "base/file_read.h"
 #include "base/number.h"
 #include "base/sha256.h"
 #include "base/share.h"
@@ -40,6 +41,7 @@ typedef struct fleet {
         jobs; /* of this part: run and variant of job j are first + j / variants, j % variants */
     asdic_device **devices;
     size_t worker_count;
+    char scene_hash[65]; /* of the scene's text when the trial began */
     FILE *out;
     pthread_mutex_t lock; /* guards what follows */
     uint64_t next, taken; /* job to be dealt, row to be written */
@@ -66,6 +68,27 @@ asdic_trial_options asdic_trial_options_default(void) {
 
 /* --- a run ------------------------------------------------------------------------------------- */
 
+static asdic_status hash_scene(asdic_context *ctx, const char *path, char hex[65]) {
+    char *text = NULL;
+    size_t bytes = 0;
+    TRY(asdic_file_read(ctx, path, SIZE_MAX, &text, &bytes));
+    asdic_sha256_hex(text, bytes, hex);
+    free(text);
+    return ASDIC_OK;
+}
+
+/* The scene is read for every run: one that is edited meanwhile is not flown on. */
+static asdic_status check_scene(const fleet *f) {
+    char now[65];
+    TRY(hash_scene(f->ctx, f->options->scene, now));
+    return strcmp(now, f->scene_hash) == 0
+               ? ASDIC_OK
+               : asdic_fail(f->ctx, ASDIC_ERROR_INPUT,
+                            "%s has changed since its trial began; put it back and go on with "
+                            "--resume, or begin anew with --force",
+                            f->options->scene);
+}
+
 static asdic_status fly(worker *w, uint64_t job, asdic_text *row, uint64_t *pings) {
     const asdic_trial_options *o = w->fleet->options;
     uint64_t run = w->fleet->first + job / o->variants.count;
@@ -75,7 +98,11 @@ static asdic_status fly(worker *w, uint64_t job, asdic_text *row, uint64_t *ping
     char why[ASDIC_TRIAL_WHY];
     asdic_status status = asdic_trial_load(w->fleet->ctx, o, run, variant, w->before, &mission);
     asdic_mission_destroy(&w->before);
-    TRY(status);
+    status = status ? status : check_scene(w->fleet);
+    if (status) {
+        asdic_mission_destroy(&mission);
+        return status;
+    }
     const asdic_trial_job one = {mission, o->seed, run, w->number, o->rule, NULL};
     status = asdic_trial_run_one(&w->eye, &one, &outcome, why);
     if (!status) {
@@ -478,15 +505,16 @@ asdic_status asdic_trial_fly(asdic_context *ctx, asdic_device **devices, size_t 
     asdic_text header = {0};
     bool is_ideal = false;
     TRY(check(ctx, &o));
-    asdic_status status = describe(ctx, &o, &facts, &header, &is_ideal);
+    fleet f = {.ctx = ctx, .options = &o, .lock = PTHREAD_MUTEX_INITIALIZER};
+    asdic_status status = hash_scene(ctx, o.scene, f.scene_hash);
+    if (!status) {
+        status = describe(ctx, &o, &facts, &header, &is_ideal);
+    }
     if (!status && !is_ideal && device_count == 0) {
         status = asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "a trial that pings needs a device");
     }
-    fleet f = {.ctx = ctx,
-               .options = &o,
-               .devices = is_ideal ? NULL : devices,
-               .worker_count = device_count > 0 ? device_count : count_blind(),
-               .lock = PTHREAD_MUTEX_INITIALIZER};
+    f.devices = is_ideal ? NULL : devices;
+    f.worker_count = device_count > 0 ? device_count : count_blind();
     if (!status) {
         status = o.team ? fly_in_team(&f, &facts, &header) : fly_part(&f, &facts, &header);
     }

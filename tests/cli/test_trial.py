@@ -610,6 +610,31 @@ def test_changed_files_are_another_trial():
         asdic(*command, "--resume").check(code=0)
 
 
+def test_a_scene_edited_meanwhile_is_not_flown_on():
+    """Rows are of one scene; put back it goes on, to the same bytes. A rule edits it in the first run."""
+    program.need_device()
+    with Folder() as folder:
+        text = WALL.replace("time_s: 45", "time_s: 3")
+        path = folder.write("wall.yaml", text)
+        folder.write("rule.py", f"""
+import sys
+for line in sys.stdin:
+    with open({path!r}, "w", encoding="ascii") as file:
+        file.write({text!r}.replace("time_s: 3", sys.argv[1]))
+    print("{{}}", flush=True)
+""")
+        def command(then, out):
+            return ("trial", path, "--runs", 3, "--workers", 1, "-o", folder / out, "--rule",
+                    f"exec {sys.executable} {folder / 'rule.py'} '{then}'")
+        done = asdic(*command("time_s: 2", "out")).check(code=3)
+        tap.contains(done.err, "wall.yaml has changed since its trial began")
+        tap.equal(len(data(folder, "out", "trial.part.csv").splitlines()), 2)
+        folder.write("wall.yaml", text)
+        asdic(*command("time_s: 3", "out"), "--resume").check(code=0)
+        asdic(*command("time_s: 3", "whole")).check(code=0)
+        tap.equal(data(folder, "out", "trial.csv"), data(folder, "whole", "trial.csv"))
+
+
 RULE = """
 import json, sys
 for line in sys.stdin:
