@@ -114,8 +114,11 @@ static void print_classes(const asdic_detect_report *r) {
     explain_classes(r);
     if (r->is_sample) {
         const asdic_detect_class *none = &r->classes[r->class_count - 1];
-        printf("P_FA: design %.4g, measured %.4g, 99 %% bounds %.4g..%.4g\n",
-               none->expected / (double)none->bins, r->pfa.value, r->pfa.low, r->pfa.high);
+        printf("P_FA: ");
+        if (!isnan(none->expected)) {
+            printf("design %.4g, ", none->expected / (double)none->bins);
+        }
+        printf("measured %.4g, 99 %% bounds %.4g..%.4g\n", r->pfa.value, r->pfa.low, r->pfa.high);
     }
 }
 
@@ -275,7 +278,8 @@ static asdic_status detect(cli *c, const char *folder, request *r) {
     if (report->is_coherent) {
         cli_note(c, "coherent pings do not say what is in a bin: objects, boundaries and water are "
                     "those of the same scene by intensities, kept as parts.npy");
-    } else if (isnan(report->tracks_by_chance)) {
+    } else if (isnan(report->tracks_by_chance) &&
+               !isnan(report->classes[report->class_count - 1].expected)) {
         cli_note(
             c, "tracks are not for this sonar: its head turns by more than a beam in the pings by "
                "which a track is judged, so that few objects are confirmed, and are lost again");

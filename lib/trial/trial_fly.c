@@ -20,6 +20,7 @@
 #include "out/file.h"
 
 #include <errno.h>
+#include <math.h>
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
@@ -202,12 +203,22 @@ static asdic_status work_all(fleet *f) {
 
 /* --- what is flown ----------------------------------------------------------------------------- */
 
-/* A detector that compares with what is expected over a plane takes for targets what planes mirror. */
-static void warn_of_mirrors(asdic_context *ctx, const asdic_mission *m) {
+/* A detector that compares with what is expected over a plane takes for targets what planes mirror;
+ * one that compares with neighbours, more of K speckle than P_FA says. */
+static void warn_of_background(asdic_context *ctx, const asdic_mission *m) {
     asdic_scene_info scene = asdic_scene_get_info(m->scene);
     bool has_mirror = scene.has_surface || scene.has_bottom_plane;
-    if (has_mirror && !m->trial.is_ideal && asdic_eye_background(m) == ASDIC_TRIAL_FLAT &&
-        m->settings.sampling.multipath == ASDIC_MULTIPATH_BOUNDARIES) {
+    bool is_flat = asdic_eye_background(m) == ASDIC_TRIAL_FLAT;
+    if (m->trial.is_ideal) {
+        return;
+    }
+    if (!is_flat && m->settings.sonar.speckle == ASDIC_SPECKLE_K &&
+        isnan(m->settings.detector.cost_ratio)) {
+        asdic_log(ctx, ASDIC_LOG_WARNING,
+                  "the trial's thresholds are those of CFAR in Rayleigh speckle; K speckle exceeds "
+                  "them more often than P_FA says");
+    }
+    if (has_mirror && is_flat && m->settings.sampling.multipath == ASDIC_MULTIPATH_BOUNDARIES) {
         asdic_log(ctx, ASDIC_LOG_WARNING,
                   "the trial's detector expects no echoes that surface and bottom mirror "
                   "('multipath: boundaries') and takes them for targets");
@@ -244,7 +255,7 @@ static asdic_status describe(asdic_context *ctx, const asdic_trial_options *o, t
             asdic_text_format(&all, "%s %s %s %s\n", asdic_mission_hash(mission),
                               mission->trial_hash, key, value);
             if (v == 0) {
-                warn_of_mirrors(ctx, mission);
+                warn_of_background(ctx, mission);
                 asdic_trial_print_header(mission, header);
             }
         }

@@ -233,6 +233,36 @@ output: {{images: [], csv: none}}
                 tap.equal(pfa["high"] < 1.6 * pfa["value"], True, f"enough to see: {pfa}")
 
 
+def test_spiky_speckle_exceeds_its_neighbours_more_often():
+    """Thresholds of CFAR are those of Rayleigh speckle: no rate is predicted in K speckle, nor tracks of such alarms.
+    It was said to be the design's, a twentieth of what it is."""
+    need_device()
+    with Folder() as folder:
+        folder.write("spiky.yaml", """version: 1
+bottom: none
+sonar: {frequency_khz: 100, bandwidth_khz: 1.5, bin_length_m: 0.5, source_level_db: 250, receivers: [{name: ahead}], speckle: k,
+  speckle_shape: 1}
+mission: {pose: {position_m: [0, 0, 50]}, pings: 60}
+sampling: {rays: 2000}
+detector: {pfa: 1.0e-3}
+output: {images: [], csv: none}
+""")
+        asdic("run", "spiky.yaml", "-o", "out", "-q", cwd=folder.path).check(0)
+        for kind in "ca", "os":
+            done = asdic("detect", "out", "--cfar", kind, "-f", "--json", cwd=folder.path).check(0)
+            report = json.loads(done.out)
+            tap.equal(done.err.count("K speckle exceeds them more often than P_FA says"), 1, done.err)
+            tap.lacks(done.err, "tracks are not for this sonar")
+            tap.equal((report["confusion"][-1]["predicted"], report["tracks"]["by_chance"]), (None, None))
+            tap.equal(report["pfa_measured"]["low"] > 0.01, True, f"{report['pfa_measured']}")
+        done = asdic("detect", "out", "--cfar", "ca", "-f", cwd=folder.path).check(0)
+        tap.contains(done.out, "P_FA: measured ")
+        for options in ((), ("--cfar", "ca", "--cost", "100")):
+            done = asdic("detect", "out", "-f", "--json", *options, cwd=folder.path).check(0)
+            tap.lacks(done.err, "K speckle")
+            tap.equal(json.loads(done.out)["confusion"][-1]["predicted"] > 0, True, f"{options}")
+
+
 # Eight beams of one degree, a quarter of a degree apart, and nothing to see.
 EMPTY = """version: 1
 bottom: {depth_m: 12, type: sand}

@@ -540,6 +540,12 @@ def test_detectors_without_mirrors_are_told_of():
             path = folder.write("wall.yaml", text)
             done = asdic("trial", path, "--runs", 1, "-o", folder / "out", "-f").check(code=0)
             tap.equal(done.err.count("expects no echoes that surface and bottom mirror"), warns, done.err)
+        spiky = quick.replace("speckle: rayleigh", "speckle: k\n  speckle_shape: 1")
+        for text, warns in ((spiky, 0), (spiky + "  background: os\n", 1), (quick + "  background: os\n", 0),
+                            (spiky.replace("pfa: 1.0e-4", "cost_ratio: 100") + "  background: os\n", 0)):
+            path = folder.write("wall.yaml", text)
+            done = asdic("trial", path, "--runs", 1, "-o", folder / "out", "-f").check(code=0)
+            tap.equal(done.err.count("K speckle exceeds them more often"), warns, done.err)
 
 
 def test_rays_of_its_own_choice():

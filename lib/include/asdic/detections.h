@@ -82,8 +82,8 @@ typedef struct asdic_detect_report {
     double background_error_db;         /* median standard error of a simulated one; else 0 */
     double background_s;                /* what its simulation took; 0: it was there */
     /* Confirmed ones that are to be expected of false alarms alone. NAN: not known, of coherent
-     * pings, whose false alarms come again, and of a scanned sonar that turns by more than a beam
-     * in the pings by which a track is judged. */
+     * pings, whose false alarms come again, of K speckle over thresholds of CFAR, and of a scanned
+     * sonar that turns by more than a beam in the pings by which a track is judged. */
     double tracks_by_chance;
     size_t class_count, sight_count;
     asdic_detect_class *classes; /* objects in order of appearance, then ghost, faint, none */

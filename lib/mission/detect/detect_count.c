@@ -72,10 +72,15 @@ static asdic_background null_of(const asdic_detect_job *job, size_t cell) {
                                job->noise_lin[cell]);
 }
 
+bool asdic_detect_is_unknown(const asdic_detect_job *job) {
+    return job->report->by_cfar && job->info.sonar->speckle == ASDIC_SPECKLE_K &&
+           isnan(job->detector.cost_ratio);
+}
+
 /* The P_FA of a bin's threshold; of one by cost in K clutter as if the background were known. */
 static double pfa_of(const asdic_detect_job *job, size_t cell) {
     if (isnan(job->detector.cost_ratio)) {
-        return job->detector.pfa;
+        return asdic_detect_is_unknown(job) ? (double)NAN : job->detector.pfa;
     }
     double pfa = job->report->by_cfar ? asdic_scan_cfar_pfa(job->scan, job->intensity_lin, cell)
                                       : (double)NAN;

@@ -129,7 +129,8 @@ asdic_status asdic_detect_expect_tracks(asdic_detect_job *job) {
     TRY(asdic_run_read(job->run, 0, &record));
     strip plane;
     TRY(find_strip(job, &record.pose, &plane));
-    if (turns_away(job, &plane) || r->is_coherent) { /* whose speckle stays in its place */
+    if (turns_away(job, &plane) || asdic_detect_is_unknown(job) ||
+        r->is_coherent) { /* whose speckle stays in its place */
         r->tracks_by_chance = NAN;
         return ASDIC_OK;
     }

@@ -72,6 +72,8 @@ asdic_status asdic_detect_expect_tracks(asdic_detect_job *job);
 /* detect_count.c: the report's tables. */
 asdic_status asdic_detect_report_create(asdic_detect_job *job);
 void asdic_detect_count(asdic_detect_job *job, const asdic_record *record);
+/* Whether the rate of false alarms is not predicted: CFAR's P_FA in K speckle. */
+bool asdic_detect_is_unknown(const asdic_detect_job *job);
 void asdic_detect_finish_report(asdic_detect_job *job);
 /* The law of what is in a bin beside an object's echo. */
 asdic_background asdic_detect_rest(const asdic_detect_job *job, size_t cell);

@@ -223,6 +223,11 @@ static asdic_status choose_background(asdic_detect_job *job) {
     }
     job->report->background = job->background;
     job->report->by_cfar = job->background == ASDIC_BACKGROUND_CFAR;
+    if (asdic_detect_is_unknown(job)) {
+        asdic_log(job->ctx, ASDIC_LOG_WARNING,
+                  "thresholds of CFAR are those of Rayleigh speckle; K speckle exceeds them more "
+                  "often than P_FA says, and how often is not predicted");
+    }
     const asdic_cfar *cfar = job->report->by_cfar ? &job->options->cfar : NULL;
     return asdic_scan_create(job->ctx, job->info.sonar, job->sound_speed_mps, job->info.bins,
                              &job->detector, cfar, &job->scan);
