@@ -906,6 +906,17 @@ def test_pings_of_the_scene_may_be_more_than_a_run_flies():
         asdic("trial", path, "--runs", 10, "--replay", 0, "-o", folder / "again").check(code=0)
 
 
+def test_none_is_a_word_in_json_too():
+    """Where it stands in quotes: an object that is drawn so is gone."""
+    with Folder() as folder:
+        scene = IDEAL.replace("PD", "1") + """  draws:
+    - {key: "objects[0]", choice: ["none", {"choice": ["none"]}]}
+"""
+        fly(folder, folder.write("empty.yaml", scene), 4)
+        tap.equal([row["objects[0]"] for row in rows(folder)], 4 * ["none"])
+        tap.equal({row["manoeuvres"] for row in rows(folder)}, {"0"})
+
+
 def test_draws_do_not_undo_each_other():
     """What holds a part is drawn before it, and a key once; a part of the water stays where all of it is drawn."""
     with Folder() as folder:

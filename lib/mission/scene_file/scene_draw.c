@@ -137,7 +137,7 @@ static void take_value(const drawer *d, asdic_yaml_node *from, uint64_t hash,
     out->kind = from->kind;
     out->text = from->text;
     out->length = from->length;
-    out->quoted = from->quoted;
+    out->quoted = from->quoted && strcmp(from->text, "none") != 0; /* a word, in JSON, too */
     out->first = out->last = NULL;
     out->count = 0;
     for (asdic_yaml_node *child = from->first; child; child = child->next) {
