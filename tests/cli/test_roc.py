@@ -141,6 +141,38 @@ def test_a_point_has_its_strength():
                           f"{yaw_deg}, {beam}: {curve['target_strength_db']} dB")
 
 
+def test_a_point_is_heard_by_rays_that_bend():
+    """A point at a range is as loud as one that stands there in the scene, whose echo is simulated; in the shadow of a
+    thermocline neither is heard. By straight rays the last would have stood 26 dB above the background."""
+    need_device()
+    waters = {"thermocline": "sound_speed_profile: [[0, 1482], [3, 1480], [6, 1468], [9, 1440], [13, 1431]]",
+              "layer": "sound_speed_mps: 1480, sound_speed_gradient_per_s: 0.8"}
+    for water, z_m, range_m, dark in (("thermocline", 9, 12.25, 0), ("thermocline", 4, 45.25, 0),
+                                      ("layer", 9, 40.25, 0), ("thermocline", 9, 65.25, 1)):
+        with Folder() as folder:
+            folder.write("point.yaml", f"""version: 1
+environment: {{{waters[water]}}}
+bottom: {{depth_m: 12, type: mud}}
+objects: [{{name: p, point: -10, position_m: [{range_m}, 0, {z_m}]}}]
+sonar: {{frequency_khz: 100, ping_rate_hz: 9, source_level_db: 200, bin_length_m: 0.5, bandwidth_khz: 1.5,
+  receivers: [{{name: ahead}}]}}
+mission: {{pose: {{position_m: [0, 0, {z_m}]}}}}
+sampling: {{rays: 4000}}
+""")
+            found = []
+            for options in ("--object", "p"), ("--range", range_m, "--strength=-10"):
+                done = asdic("roc", "point.yaml", "--trials", 1000, "-o", "out", "-f", "--json", "-q", *options,
+                             cwd=folder.path).check(0)
+                curve, = json.loads(done.out)
+                found.append((curve["target_db"], curve["snr_db"], curve["target_strength_db"]))
+            (heard, snr, strength), (level, other, _) = found
+            if dark:
+                tap.equal(snr < -10 and (other is None or other < -10), True, f"{water}: {found}")
+            else:
+                tap.equal(abs(heard - level) < 0.3 and abs(strength + 10) < 0.3, True, f"{water}, {range_m} m: {found}")
+                tap.equal(snr > 3, True, f"{snr}")
+
+
 def test_a_pulse_spreads_its_echo():
     """Of 0.75 m over bins of 0.1 m: a point of the scene is one of its range and strength."""
     need_device()

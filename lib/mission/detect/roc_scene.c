@@ -11,6 +11,7 @@
 #include "detect_background.h"
 #include "mission/mission.h"
 #include "scene/scene.h"
+#include "sim/eigenray.h"
 #include "sim/pulse.h"
 #include "sim/ring.h"
 #include "sim/environment.h"
@@ -37,6 +38,7 @@ typedef struct scene_job {
     const asdic_roc_options *options;
     asdic_sonar sonar; /* with speckle */
     asdic_water_column water;
+    asdic_layers layers; /* where rays bend */
     asdic_pose pose;
     extent target;
     size_t object; /* in the mission, where one is asked for */
@@ -170,27 +172,59 @@ static asdic_vec3 direction_of_target(const scene_job *job, size_t beam, double 
     return (asdic_vec3){cosine * cos(azimuth), cosine * sin(azimuth), sine};
 }
 
-/* Echo in BEAM of a point of 0 dB at RANGE_M where the target is, in the bin of that range: the pulse may be longer.
- * 0 where that is no water. */
-static double echo_lin(const scene_job *job, size_t beam, double range_m) {
-    const asdic_scene *scene = job->mission->scene;
-    const asdic_sonar *sonar = &job->sonar;
-    asdic_vec3 u = direction_of_target(job, beam, range_m);
-    double rear_lin = pow(10.0, 0.1 * sonar->rear_floor_db), gain = 1.0;
-    double z = job->pose.position_m.z;
-    const asdic_beam *apertures[2] = {&sonar->transmitter, &sonar->receivers[beam]};
-    if (asdic_vec3_length(u) == 0.0 || (scene->has_surface && z < 0.0) ||
-        (scene->has_bottom_plane && z > scene->bottom_plane_depth_m)) {
-        return 0.0;
-    }
+/* Both patterns of BEAM in the direction U. */
+static double gain_lin(const scene_job *job, size_t beam, asdic_vec3 u) {
+    const asdic_beam *apertures[2] = {&job->sonar.transmitter, &job->sonar.receivers[beam]};
+    double rear_lin = pow(10.0, 0.1 * job->sonar.rear_floor_db), gain = 1.0;
     for (int i = 0; i < 2; i++) {
         asdic_face face = asdic_face_aim(apertures[i], &job->pose, job->water.wavelength_m);
         gain *= asdic_face_gain(&face, u, rear_lin);
     }
+    return gain;
+}
+
+/* What comes back to BEAM of a source of 1 at 1 m from a point of 0 dB at RANGE_M in the direction U, by the rays that
+ * bend there: by the loudest, and none in their shadow. */
+static double bent_echo_lin(const scene_job *job, size_t beam, double range_m, asdic_vec3 u) {
+    const asdic_scene *scene = job->mission->scene;
+    double z = job->pose.position_m.z, level = hypot(u.x, u.y), loudest = 0.0;
+    double top = scene->has_surface ? 0.0 : -INFINITY;
+    double bottom = scene->has_bottom_plane ? scene->bottom_plane_depth_m : INFINITY;
+    asdic_eigenray rays[ASDIC_MOST_EIGENRAYS];
+    size_t count = asdic_eigenrays_find(&job->layers, z, z + range_m * u.z, range_m * level, rays);
+    for (size_t i = 0; i < count; i++) {
+        double way_m = job->water.sound_speed_mps * rays[i].end.time_s;
+        double spread =
+            fmax(asdic_bent_ray_spread_m2(&rays[i].end), ASDIC_LEAST_SPREAD * way_m * way_m);
+        double cosine = cos(rays[i].elevation_rad) / level;
+        asdic_vec3 leaves = {cosine * u.x, cosine * u.y, sin(rays[i].elevation_rad)};
+        double loss = exp(-2.0 * job->water.absorption_np_per_m * (rays[i].end.length_m - 1.0));
+        if (asdic_eigenray_keeps_between(&job->layers, z, range_m * level, &rays[i], top, bottom)) {
+            loudest = fmax(loudest, gain_lin(job, beam, leaves) * loss / (spread * spread));
+        }
+    }
+    return loudest;
+}
+
+/* Echo in BEAM of a point of 0 dB at RANGE_M where the target is, in the bin of that range: the pulse may be longer.
+ * 0 where that is no water. */
+static double echo_lin(const scene_job *job, size_t beam, double range_m) {
+    const asdic_scene *scene = job->mission->scene;
+    const asdic_environment *env = &job->mission->settings.environment;
+    const asdic_sonar *sonar = &job->sonar;
+    asdic_vec3 u = direction_of_target(job, beam, range_m);
+    double z = job->pose.position_m.z;
+    if (asdic_vec3_length(u) == 0.0 || (scene->has_surface && z < 0.0) ||
+        (scene->has_bottom_plane && z > scene->bottom_plane_depth_m)) {
+        return 0.0;
+    }
     size_t bin = (size_t)(range_m / sonar->bin_length_m);
-    return gain * asdic_pulse_share(sonar, job->water.sound_speed_mps, job->bins, bin) *
-           asdic_water_column_source_lin(&job->water, &job->mission->settings.environment, sonar) *
-           ray_transmission(job->water.absorption_np_per_m, range_m);
+    bool bends = asdic_environment_bends(env) && hypot(u.x, u.y) > 0.0;
+    double back =
+        bends ? bent_echo_lin(job, beam, range_m, u)
+              : gain_lin(job, beam, u) * ray_transmission(job->water.absorption_np_per_m, range_m);
+    return back * asdic_pulse_share(sonar, job->water.sound_speed_mps, job->bins, bin) *
+           asdic_water_column_source_lin(&job->water, env, sonar);
 }
 
 /* How far the mean is off, dB, when the laws err by SIGN times what their sources state. */
@@ -470,6 +504,7 @@ asdic_status asdic_roc_compute(asdic_context *ctx, const asdic_mission *mission,
     }
     job.water =
         asdic_water_column_at(&mission->settings.environment, &job.sonar, job.pose.position_m.z);
+    asdic_layers_of(&mission->settings.environment, job.pose.position_m.z, &job.layers);
     asdic_roc *roc = calloc(1, sizeof *roc);
     asdic_status status = roc ? compute(&job, device, roc) : asdic_fail_memory(ctx, "a curve");
     if (status) {
