@@ -382,6 +382,18 @@ sampling: {{rays: 2000}}
         tap.equal(curve["background_error_db"] > 0, True, "the error of few rays")
 
 
+def test_more_draws_than_memory_holds_are_refused():
+    """Before anything is simulated: 80 bytes each while they are sorted. They were drawn, 1.6 GB, and then ran out."""
+    need_device()
+    with Folder() as folder:
+        done = subprocess.run(["sh", "-c", 'ulimit -v 6000000; exec "$@"', "sh", program.PATH, "roc", SCENE2, "--trials",
+                               "100000000", "-o", folder / "out"], capture_output=True, check=False, text=True,
+                              timeout=60, env=program.environment({}))
+        tap.equal(done.returncode, 1, done.stderr)
+        tap.contains(done.stderr, "100000000 trials need 8000000000 bytes of memory")
+        tap.contains(done.stderr, "use fewer")
+
+
 def test_mistakes():
     need_device()
     with Folder() as folder:

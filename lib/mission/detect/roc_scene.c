@@ -5,6 +5,7 @@
 #include <asdic/scan.h>
 
 #include "base/context.h"
+#include "base/memory_left.h"
 #include "base/try.h"
 #include "base/vec.h"
 #include "detect/roc_curve.h"
@@ -18,12 +19,15 @@
 
 #include "../../../kernels/ray.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 /* Ranges at which P_D is computed; draws for each. */
 #define MOST_RANGES 100
 #define REACH_TRIALS 20000u
+/* Of a draw with the target and one without, while the area is found. */
+#define TRIAL_BYTES 80u
 
 /* Where the target is, from the sonar: bearings round AZIMUTH_RAD, which is from north, and depths
  * below it. A target of a given range is a point, level with the sonar. */
@@ -445,7 +449,9 @@ static asdic_status check(asdic_context *ctx, const asdic_mission *mission,
                           "%llu trials (1000 to 1e8) at a P_FA of %g (between 0 and 1)",
                           (unsigned long long)o->trials, o->pfa);
     }
-    return ASDIC_OK;
+    char what[64];
+    snprintf(what, sizeof what, "%llu trials need", (unsigned long long)o->trials);
+    return asdic_memory_check(ctx, o->trials * TRIAL_BYTES, asdic_memory_left(), what, "use fewer");
 }
 
 static void describe(const scene_job *job, size_t cell, const asdic_roc_case *c, asdic_roc *roc) {
