@@ -142,16 +142,14 @@ def test_a_point_has_its_strength():
 
 
 def test_a_point_is_heard_by_rays_that_bend():
-    """A point at a range is as loud as one that stands there in the scene, whose echo is simulated; in the shadow of a
-    thermocline neither is heard. By straight rays the last would have stood 26 dB above the background."""
+    """One that stands in the scene, whose echo is simulated, has its strength; in the shadow of a thermocline one at a
+    range is not heard. By straight rays it stood 26 dB above the background, and the strength was 0.6 dB less."""
     need_device()
-    waters = {"thermocline": "sound_speed_profile: [[0, 1482], [3, 1480], [6, 1468], [9, 1440], [13, 1431]]",
-              "layer": "sound_speed_mps: 1480, sound_speed_gradient_per_s: 0.8"}
-    for water, z_m, range_m, dark in (("thermocline", 9, 12.25, 0), ("thermocline", 4, 45.25, 0),
-                                      ("layer", 9, 40.25, 0), ("thermocline", 9, 65.25, 1)):
+    for z_m, range_m, options in ((9, 12.25, ("--object", "p")), (4, 45.25, ("--object", "p")),
+                                  (9, 65.25, ("--range", 65.25, "--strength=-10"))):
         with Folder() as folder:
             folder.write("point.yaml", f"""version: 1
-environment: {{{waters[water]}}}
+environment: {{sound_speed_profile: [[0, 1482], [3, 1480], [6, 1468], [9, 1440], [13, 1431]]}}
 bottom: {{depth_m: 12, type: mud}}
 objects: [{{name: p, point: -10, position_m: [{range_m}, 0, {z_m}]}}]
 sonar: {{frequency_khz: 100, ping_rate_hz: 9, source_level_db: 200, bin_length_m: 0.5, bandwidth_khz: 1.5,
@@ -159,18 +157,13 @@ sonar: {{frequency_khz: 100, ping_rate_hz: 9, source_level_db: 200, bin_length_m
 mission: {{pose: {{position_m: [0, 0, {z_m}]}}}}
 sampling: {{rays: 4000}}
 """)
-            found = []
-            for options in ("--object", "p"), ("--range", range_m, "--strength=-10"):
-                done = asdic("roc", "point.yaml", "--trials", 1000, "-o", "out", "-f", "--json", "-q", *options,
-                             cwd=folder.path).check(0)
-                curve, = json.loads(done.out)
-                found.append((curve["target_db"], curve["snr_db"], curve["target_strength_db"]))
-            (heard, snr, strength), (level, other, _) = found
-            if dark:
-                tap.equal(snr < -10 and (other is None or other < -10), True, f"{water}: {found}")
+            done = asdic("roc", "point.yaml", "--trials", 1000, "-o", "out", "--json", "-q", *options, cwd=folder.path)
+            curve, = json.loads(done.check(0).out)
+            if "--object" in options:
+                off_db = curve["target_strength_db"] + 10
+                tap.equal(abs(off_db) < 0.3, True, f"{range_m} m: {off_db} dB")
             else:
-                tap.equal(abs(heard - level) < 0.3 and abs(strength + 10) < 0.3, True, f"{water}, {range_m} m: {found}")
-                tap.equal(snr > 3, True, f"{snr}")
+                tap.equal(curve["snr_db"] is None or curve["snr_db"] < -10, True, f"{curve['snr_db']}")
 
 
 def test_a_pulse_spreads_its_echo():
@@ -386,9 +379,9 @@ def test_more_draws_than_memory_holds_are_refused():
     """Before anything is simulated: 80 bytes each while they are sorted. They were drawn, 1.6 GB, and then ran out."""
     need_device()
     with Folder() as folder:
-        done = subprocess.run(["sh", "-c", 'ulimit -v 6000000; exec "$@"', "sh", program.PATH, "roc", SCENE2, "--trials",
-                               "100000000", "-o", folder / "out"], capture_output=True, check=False, text=True,
-                              timeout=60, env=program.environment({}))
+        few = ["sh", "-c", 'ulimit -v 6000000; exec "$@"', "sh", program.PATH]
+        done = subprocess.run([*few, "roc", SCENE2, "--trials", "100000000", "-o", folder / "out"], capture_output=True,
+                              check=False, text=True, timeout=60, env=program.environment({}))
         tap.equal(done.returncode, 1, done.stderr)
         tap.contains(done.stderr, "100000000 trials need 8000000000 bytes of memory")
         tap.contains(done.stderr, "use fewer")
