@@ -23,6 +23,8 @@
 #define DEV_FOOTPRINT_RAYS 4.0f
 
 #define DEV_MAX_LOBES 12
+/* A lobe's scale far beyond any window: evenly spread. */
+#define DEV_EVEN_SCALE 1e4f
 #define DEV_MAX_CONES 8
 /* Of the learnt table, see learnt.h; powers of two. */
 #define DEV_TABLE_CELLS 512
@@ -53,7 +55,7 @@ typedef struct dev_beam {
  * around the ridge cos(phi - beta) = -tilt uz / cos, on one side of beta; or over a sector between two
  * ridges, of its beams with the least and the most azimuth. */
 typedef struct dev_lobe {
-    float rows[9]; /* as dev_beam, beam sampler only */
+    float rows[9]; /* as dev_beam, of the aperture that it is for */
     float scale_h, scale_v;
     float share;       /* of the rays; shares sum to 1 */
     float share_begin; /* sum of the shares before */
@@ -62,7 +64,7 @@ typedef struct dev_lobe {
     float limit_rad;  /* half-width of the azimuth window; < 0: the front of the transmitter */
     float margin_rad; /* > 0: a sector; added to the window, more where elevations are steep */
     float most_tilt;  /* of a sector */
-    float pad;
+    dev_uint aside;   /* 1: a ridge far in azimuth from the transmitter's axis */
 } dev_lobe;
 
 /* Directions towards an object's bounding sphere, which get COUNT rays of their own, from ray FIRST

@@ -302,19 +302,52 @@ typedef struct azimuth_lobe {
     real core; /* of a sector: half its width; else 0 */
 } azimuth_lobe;
 
-/* Half of the arc of azimuths in front of the transmitter at an elevation; more than pi: all of them, or
- * none. */
-FORMULA real front_arc(LOBE_SPACE const dev_ping *ping, real uz, real m) {
-    real fx = (real)(ping->sampling.front[0]), fy = (real)(ping->sampling.front[1]);
+/* Half of the arc of azimuths in front of an aperture with the axis F at an elevation; more than pi: all of
+ * them, or none. */
+FORMULA real arc_before(real fx, real fy, real fz, real uz, real m) {
     real fh = sqrt(fx * fx + fy * fy);
-    real c = -(real)(ping->sampling.front[2]) * uz / r_max(m * fh, R(1e-6));
+    real c = -fz * uz / r_max(m * fh, R(1e-6));
     real arc = acos(r_max(r_min(c, R(1.0)), R(-1.0)));
     return choose(r_abs(c) >= R(1.0), R(4.0), arc);
+}
+
+/* The same of the transmitter. */
+FORMULA real front_arc(LOBE_SPACE const dev_ping *ping, real uz, real m) {
+    return arc_before((real)(ping->sampling.front[0]), (real)(ping->sampling.front[1]),
+                      (real)(ping->sampling.front[2]), uz, m);
 }
 
 /* How far an azimuth lies from the transmitter's. */
 FORMULA real off_front(LOBE_SPACE const dev_ping *ping, real phi) {
     return r_abs(wrap_angle(phi - (real)(ping->sampling.front_azimuth_rad)));
+}
+
+/* A receiver may look where the transmitter does not: the near crossing of its lobe A then lies where nothing is
+ * sent, and what it hears comes from the edges of both fronts. Where apertures leak backwards each crossing gets
+ * half. Else, unless it hears the far one, the lobe is spread over the azimuths in front of both: from the
+ * receiver's edge to the transmitter's on its side, and on the other. ASIDE are the lanes in question. */
+FORMULA void look_aside(LOBE_SPACE const dev_ping *ping, LOBE_SPACE const dev_lobe *lobe, real uz,
+                        real m, real front, mask aside, azimuth_lobe *a) {
+    if (ping->rear_lin > 0.0f) {
+        a->near_share = choose(aside, R(0.5), a->near_share);
+        return;
+    }
+    real fx = (real)(lobe->rows[0]), fy = (real)(lobe->rows[1]);
+    real axis = (real)(ping->sampling.front_azimuth_rad);
+    real turn = wrap_angle(atan2(fy, fx) - axis), apart = r_abs(turn);
+    real side = choose(turn < R(0.0), R(-1.0), R(1.0));
+    real own = r_min(arc_before(fx, fy, (real)(lobe->rows[2]), uz, m), R_PI);
+    real near = r_max(apart - own, -front), far = R(2.0) * R_PI - apart - own;
+    real near_arc = r_max(front - near, R(0.0)), far_arc = r_max(front - far, R(0.0));
+    real crossing = side * wrap_angle(a->far - axis);
+    mask heard = (r_abs(crossing) < front) & ((crossing > near) | (crossing < -far));
+    aside = aside & !heard & (near_arc + far_arc > R(0.0));
+    a->near = choose(aside, axis + side * R(0.5) * (front + near), a->near);
+    a->far = choose(aside, axis - side * R(0.5) * (front + far), a->far);
+    a->near_limit = choose(aside, R(0.5) * near_arc + R(1e-3), a->near_limit);
+    a->far_limit = choose(aside, R(0.5) * far_arc + R(1e-3), a->far_limit);
+    a->near_share = choose(aside, near_arc / r_max(near_arc + far_arc, R(1e-6)), a->near_share);
+    a->scale = choose(aside, (real)(DEV_EVEN_SCALE), a->scale);
 }
 
 /* At elevation UZ with cosine M and FRONT as from front_arc. A ridge crosses a ring of constant
@@ -349,6 +382,9 @@ FORMULA azimuth_lobe azimuth_lobe_at(LOBE_SPACE const dev_ping *ping,
     mask both = (far_off < front) & (near_off < front);
     mask only_far = (far_off < front) & (near_off >= front);
     a.near_share = choose(both, R(0.5), choose(only_far, R(0.0), R(1.0)));
+    if (lobe->aside != 0u && any_true(near_off >= front)) {
+        look_aside(ping, lobe, uz, m, front, near_off >= front, &a);
+    }
     return a;
 }
 

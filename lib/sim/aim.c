@@ -13,6 +13,10 @@
 #define WIDE_SHARE 0.1
 /* Sine of the slope from which a beam's second ridge gets lobes. */
 #define STEEP 0.5
+/* A ridge farther in azimuth from the transmitter's axis looks aside. Of two such that are taken for one, the
+ * cosine between their axes is at least SAME_AXIS. */
+#define ASIDE_RAD (ASDIC_PI / 3.0)
+#define SAME_AXIS 0.9998
 /* Distinct aims that get a lobe of their own; beyond, lobes are spread over the sector. */
 #define MAX_AIMS 8
 /* How far a sector's lobe reaches beyond the outermost beams, in wavelengths per aperture: past their first
@@ -20,8 +24,6 @@
 #define SECTOR_MARGIN 2.5
 /* Rays, next to each other in elevation, that a footprint in range spans. */
 #define FOOTPRINT_RAYS 4.0
-/* A scale far beyond any window: evenly spread. */
-#define EVEN_SCALE 1e4f
 
 dev_beam asdic_aim_beam(const asdic_beam *beam, const asdic_pose *pose, double wavelength_m) {
     asdic_face face = asdic_face_aim(beam, pose, wavelength_m);
@@ -40,7 +42,7 @@ static double wrap(double phi) {
 
 /* A lobe without preference: all directions in front of the transmitter, or all directions. */
 static dev_lobe wide_lobe(const dev_beam *transmitter, bool rear) {
-    dev_lobe lobe = {.scale_h = EVEN_SCALE, .scale_v = EVEN_SCALE};
+    dev_lobe lobe = {.scale_h = DEV_EVEN_SCALE, .scale_v = DEV_EVEN_SCALE};
     memcpy(lobe.rows, transmitter->rows, sizeof lobe.rows);
     lobe.beta_rad = (float)(atan2(transmitter->rows[1], transmitter->rows[0]) - ASDIC_PI / 2.0);
     lobe.side = 1.0f;
@@ -63,6 +65,7 @@ static dev_lobe ridge_lobe(const dev_beam *beam, bool across) {
     double horizontal = hypot(row[0], row[1]);
     double length_wl = across ? beam->length_v_wl : beam->length_h_wl;
     dev_lobe lobe = {.limit_rad = -1.0f};
+    memcpy(lobe.rows, beam->rows, sizeof lobe.rows);
     lobe.scale_h = (float)(LOBE_WIDTH / fmax(horizontal * length_wl, 1e-3));
     lobe.beta_rad = (float)atan2(row[1], row[0]);
     lobe.tilt = (float)(row[2] / fmax(horizontal, 1e-6));
@@ -72,7 +75,12 @@ static dev_lobe ridge_lobe(const dev_beam *beam, bool across) {
     return lobe;
 }
 
-/* Whether two lobes look the same way with much the same width: then one is enough. */
+static double along(const float *a, const float *b) {
+    return (double)a[0] * b[0] + (double)a[1] * b[1] + (double)a[2] * b[2];
+}
+
+/* Whether two lobes look the same way with much the same width: then one is enough. Of lobes that look aside
+ * the edges of both fronts matter, and so where their apertures' axes point. */
 static bool same_lobe(asdic_sampler sampler, const dev_lobe *a, const dev_lobe *b) {
     double width = fmin(a->scale_h, b->scale_h), ratio = a->scale_h / b->scale_h;
     if (ratio > 1.5 || ratio < 1.0 / 1.5) {
@@ -88,10 +96,19 @@ static bool same_lobe(asdic_sampler sampler, const dev_lobe *a, const dev_lobe *
                dr < 0.1;
     }
     return fabs(wrap(a->beta_rad - b->beta_rad)) < width && fabs(a->tilt - b->tilt) < width &&
-           a->side == b->side;
+           a->side == b->side && (!b->aside || along(a->rows, b->rows) > SAME_AXIS);
+}
+
+/* Where a ridge crosses the horizontal. */
+static double azimuth_of(const dev_lobe *ridge) {
+    return ridge->beta_rad + ridge->side * ASDIC_PI / 2.0;
 }
 
 static void add_lobe(asdic_sampler sampler, dev_lobe lobe, dev_lobe *lobes, unsigned *count) {
+    if (*count > 0) { /* the first is the transmitter's */
+        double ahead = atan2(lobes[0].rows[1], lobes[0].rows[0]);
+        lobe.aside = fabs(wrap(azimuth_of(&lobe) - ahead)) > ASIDE_RAD;
+    }
     for (unsigned j = 0; j < *count; j++) {
         if (same_lobe(sampler, &lobes[j], &lobe)) {
             return;
@@ -138,11 +155,6 @@ static void add_picked(const dev_beam *receivers, size_t receiver_count, dev_lob
     }
 }
 
-/* Where a ridge crosses the horizontal. */
-static double azimuth_of(const dev_lobe *ridge) {
-    return ridge->beta_rad + ridge->side * ASDIC_PI / 2.0;
-}
-
 /* Many receivers, adaptive sampler: even over the sector that they span, which keeps the lattice in
  * one piece. */
 static void add_sector(const dev_beam *receivers, size_t receiver_count, dev_lobe *lobes,
@@ -166,7 +178,7 @@ static void add_sector(const dev_beam *receivers, size_t receiver_count, dev_lob
     }
     lobe.beta_rad = (float)(first + 0.5 * (least + most) - lobe.side * ASDIC_PI / 2.0);
     lobe.margin_rad = (float)(SECTOR_MARGIN / LOBE_WIDTH * scale);
-    lobe.scale_h = EVEN_SCALE;
+    lobe.scale_h = DEV_EVEN_SCALE;
     lobe.limit_rad = (float)fmin(0.5 * (most - least), ASDIC_PI);
     lobes[(*count)++] = lobe;
 }

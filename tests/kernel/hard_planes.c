@@ -134,3 +134,32 @@ double hard_narrow_bins(void) {
     r.sonar.bin_length_m = 0.1;
     return compare(&r, ASDIC_TOTAL, ALL_BINS).rms_db;
 }
+
+/* The worst of receivers that look where nothing is sent. */
+static double worst_looking_back(double rear_floor_db) {
+    static const double aims_deg[][4] = {/* the transmitter's yaw and pitch, the receiver's */
+                                         {0, 0, 180, 10},
+                                         {0, 0, 170, 0},
+                                         {20, 10, -150, 5},
+                                         {-30, 15, 95, -10},
+                                         {0, 5, 180, 60}};
+    double most = 0.0;
+    for (size_t k = 0; k < sizeof aims_deg / sizeof *aims_deg; k++) {
+        ping_rig r = one_beam(7.0, aims_deg[k][1]);
+        r.sonar.transmitter.yaw_rad = aims_deg[k][0] * RIG_DEGREE;
+        r.sonar.rear_floor_db = rear_floor_db;
+        r.receivers[0].yaw_rad = aims_deg[k][2] * RIG_DEGREE;
+        r.receivers[0].pitch_rad = aims_deg[k][3] * RIG_DEGREE;
+        most = fmax(most, compare(&r, ASDIC_TOTAL, ALL_BINS).rms_db);
+    }
+    return most;
+}
+
+/* They hear the edges of both fronts. */
+double hard_looking_back(void) {
+    return worst_looking_back(-INFINITY);
+}
+
+double hard_leaking_back(void) {
+    return worst_looking_back(-30.0);
+}

@@ -51,6 +51,8 @@ static const hard_case planes[] = {
     {"sonar in the surface", hard_in_the_surface, 0.05, "dB"},
     {"any axis: eight attitudes, r.m.s.", hard_every_attitude, 0.05, "dB"},
     {"bins of 0.1 m, r.m.s.", hard_narrow_bins, 0.05, "dB"},
+    {"receivers that look back, r.m.s.", hard_looking_back, 0.5, "dB"},
+    {"the same of faces that leak, r.m.s.", hard_leaking_back, 2.2, "dB"},
 };
 
 static void check(const hard_case *cases, size_t count) {

@@ -166,6 +166,62 @@ static void lobes_are_as_wide_at_all_elevations(void **state) {
     free(ping);
 }
 
+/* Whether AZIMUTH lies in one of A's windows that get rays, narrowed by EDGE. */
+static bool is_in_windows(const azimuth_lobe *a, double azimuth, double edge) {
+    return (a->near_share > 0.0 &&
+            fabs(remainder(azimuth - a->near, 2.0 * ASDIC_PI)) <= a->near_limit - edge) ||
+           (a->near_share < 1.0 &&
+            fabs(remainder(azimuth - a->far, 2.0 * ASDIC_PI)) <= a->far_limit - edge);
+}
+
+/* At one elevation every azimuth in front of both, and no other, unless their ridge is heard: then it leads. */
+static void check_both_fronts(const dev_ping *ping, double uz, int *alone) {
+    double m = sqrt(1.0 - uz * uz), arc = front_arc(ping, uz, m);
+    azimuth_lobe a = azimuth_lobe_at(ping, &lobes[1], uz, m, arc);
+    for (double azimuth = -3.1; azimuth < 3.14; azimuth += 0.05) {
+        double facing[2];
+        for (int b = 0; b < 2; b++) {
+            const float *axis = beams[b].rows;
+            facing[b] = m * (axis[0] * cos(azimuth) + axis[1] * sin(azimuth)) + uz * axis[2];
+        }
+        bool both = facing[0] > 0.0 && facing[1] > 0.0;
+        assert_true(!both || is_in_windows(&a, azimuth, 0.0));
+        if (a.scale > 1e3 && fmin(facing[0], facing[1]) < -1e-5) {
+            assert_false(is_in_windows(&a, azimuth, 2e-3));
+            ++*alone;
+        }
+    }
+}
+
+static void receivers_aside_get_what_both_face(void **state) {
+    (void)state;
+    static const double aims_deg[][4] = {
+        {0, 0, 180, 10}, {0, 0, 170, 0}, {20, 10, -150, 5}, {-30, 15, 95, 3}, {160, -20, 45, 10}};
+    dev_ping *ping = calloc(1, sizeof *ping);
+    assert_non_null(ping);
+    for (size_t k = 0; k < sizeof aims_deg / sizeof *aims_deg; k++) {
+        int alone = 0;
+        beams[0] = look(aims_deg[k][0], aims_deg[k][1], 0.0);
+        beams[1] = look(aims_deg[k][2], aims_deg[k][3], 0.0);
+        assert_int_equal(asdic_aim_lobes(ASDIC_SAMPLER_ADAPTIVE, beams, 1, false, lobes), 2);
+        memcpy(ping->sampling.front, beams[0].rows, sizeof ping->sampling.front);
+        ping->sampling.front_azimuth_rad = atan2f(beams[0].rows[1], beams[0].rows[0]);
+        for (double uz = -0.95; uz < 1.0; uz += 0.1) {
+            check_both_fronts(ping, uz, &alone);
+        }
+        assert_true(alone > 100);
+    }
+    /* Behind, two that differ in pitch have edges of their own; ahead they have one ridge. */
+    for (int behind = 0; behind < 2; behind++) {
+        beams[0] = look(20.0, 0.0, 0.0);
+        beams[1] = look(20.0 + 180.0 * behind, 0.0, 0.0);
+        beams[2] = look(20.0 + 180.0 * behind, 10.0, 0.0);
+        assert_int_equal(asdic_aim_lobes(ASDIC_SAMPLER_ADAPTIVE, beams, 2, false, lobes),
+                         behind ? 3 : 1);
+    }
+    free(ping);
+}
+
 static void what_leaks_backwards_gets_rays(void **state) {
     (void)state;
     beams[0] = beams[1] = look(0.0, 0.0, 0.0);
@@ -334,6 +390,7 @@ int main(void) {
         cmocka_unit_test(rolled_beams_have_two_ridges),
         cmocka_unit_test(fronts_end_beside_the_transmitter),
         cmocka_unit_test(lobes_are_as_wide_at_all_elevations),
+        cmocka_unit_test(receivers_aside_get_what_both_face),
         cmocka_unit_test(what_leaks_backwards_gets_rays),
         cmocka_unit_test(the_beam_sampler_looks_along_beams),
         cmocka_unit_test(lobes_have_a_limit),
