@@ -325,9 +325,8 @@ asdic_status asdic_simulator_learn(asdic_simulator *sim, const asdic_pose *pose,
                           "asdic_simulator_learn: NULL argument");
     }
     const asdic_sampling *sampling = &sim->setup.sampling;
-    bool adapts = sampling->sampler == ASDIC_SAMPLER_ADAPTIVE;
-    /* Of rays that are drawn each by itself the groups tell the error, where there are any. */
-    bool calibrates = !sampling->without_errors && (adapts || sim->fan.many);
+    bool adapts = sampling->sampler == ASDIC_SAMPLER_ADAPTIVE,
+         calibrates = !sampling->without_errors;
     if (sim->coherent || !(adapts || calibrates) || sampling->left_out & (1u << ASDIC_TERM_RAYS)) {
         return ASDIC_OK;
     }

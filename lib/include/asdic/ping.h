@@ -18,7 +18,8 @@ extern "C" {
 #endif
 
 typedef enum asdic_sampler {
-    ASDIC_SAMPLER_ADAPTIVE,       /* importance in range and azimuth, learnt per block of pings */
+    ASDIC_SAMPLER_ADAPTIVE, /* importance in range and azimuth, learnt per block of pings */
+    /* These take tens to thousands of times as many rays for the same error: */
     ASDIC_SAMPLER_BEAM,           /* importance from the beam patterns alone */
     ASDIC_SAMPLER_UNIFORM_SPHERE, /* the paper's */
 } asdic_sampler;
@@ -148,12 +149,12 @@ ASDIC_API size_t asdic_simulator_bin_count(const asdic_simulator *sim);
  * coherent. */
 ASDIC_API size_t asdic_simulator_sample_count(const asdic_simulator *sim);
 
-/* Teaches the adaptive sampler where rays matter, with a pilot ping at POSE; pings keep what was
- * learnt until the next call. For results that do not depend on who ran which ping, learn at ping
- * indices that are multiples of ASDIC_LEARN_BLOCK, at that ping's pose, and use it for the block;
- * missions do. Not calling it is allowed: pings are then a little noisier, never biased, but of 16
- * receivers or more they state errors of 4.3 dB. With the other samplers it has the effect on these
- * alone. */
+/* Teaches the adaptive sampler where rays matter, with a pilot ping at POSE, and finds with a few
+ * more pings what errors the pings will state; they keep what was learnt until the next call. For
+ * results that do not depend on who ran which ping, learn at ping indices that are multiples of
+ * ASDIC_LEARN_BLOCK, at that ping's pose, and use it for the block; missions do. Not calling it is
+ * allowed: pings are then a little noisier, never biased, but of 16 receivers or more they state
+ * errors of 4.3 dB, and samplers that do not learn know nothing of echoes that no ray brought. */
 #define ASDIC_LEARN_BLOCK 32
 ASDIC_API asdic_status asdic_simulator_learn(asdic_simulator *sim, const asdic_pose *pose,
                                              uint64_t index);
