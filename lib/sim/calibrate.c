@@ -59,6 +59,9 @@
  * bins within RARE_WINDOW on each side might as well have held it. */
 #define RARE 0.7
 #define RARE_WINDOW 6
+/* The square of the mean of N pings exceeds that of the true mean by its variance, an Nth of a ping's. What is left
+ * of it is at least this share: of an echo that one ping alone holds nothing is left. */
+#define LEAST_KNOWN 1e-3
 /* Receivers, and bins, on each side that share an error where receivers are many. */
 #define BEAM_WINDOW 8
 #define BIN_WINDOW 1
@@ -317,7 +320,8 @@ static void calibrate_bin(asdic_simulator *sim, size_t n, const calibration *c) 
     for (size_t b = 0; b < beams; b++) {
         size_t low = c->alike[b].low, high = c->alike[b].high;
         double count = counts[high + 1] - counts[low];
-        double shared = count > 0.0 ? (sums[high + 1] - sums[low]) / count : 1.0;
+        double mean = count > 0.0 ? (sums[high + 1] - sums[low]) / count : 0.0;
+        double shared = count > 0.0 ? mean / fmax(1.0 - mean / c->count, LEAST_KNOWN) : 1.0;
         double own = OWN_ERROR * fmax(cell_variance(c, b * bins + n), 0.0);
         sim->learnt.stated[b * bins + n].of_block = (float)(shared + own);
     }

@@ -262,7 +262,7 @@ static void rare_echoes_count_in_bins_around(void **state) {
 }
 
 /* Of many receivers those from LOW to HIGH share an error with B, in bins within REACH of each: the mean over beams of
- * their means over bins. What holds nothing says nothing; where all do, nothing is known. */
+ * their means over bins, relative to the square of the true mean, which the pings' own exceeds by their error. What holds nothing says nothing; where all do, nothing is known. */
 static void check_many(size_t b, size_t low, size_t high, size_t reach) {
     for (size_t n = 0; n < BINS; n++) {
         double sum = 0.0, count = 0.0;
@@ -278,8 +278,9 @@ static void check_many(size_t b, size_t low, size_t high, size_t reach) {
         }
         bool holds = cells[b * BINS + n].mean > 0.0;
         double own = holds ? 0.1 * cells[b * BINS + n].variance : 0.0;
+        double mean = sum / fmax(count, 1.0);
         assert_close_relative(stated[b * BINS + n].of_block,
-                              (count > 0.0 ? sum / count : 1.0) + own, 1e-5);
+                              (count > 0.0 ? mean / (1.0 - mean / pings) : 1.0) + own, 1e-5);
     }
 }
 
@@ -321,6 +322,25 @@ static void many_receivers_share_with_those_like_them(void **state) {
     }
 }
 
+/* Echoes that one ping in three alone holds: their error is not known, and may be many times the echo. */
+static void what_one_ping_holds_is_not_known(void **state) {
+    (void)state;
+    fill(1.0);
+    for (size_t b = 0; b <= MOST_BEAMS; b++) {
+        receivers[b] = (asdic_beam){.length_h_m = 0.1, .length_v_m = 0.1};
+    }
+    for (size_t i = 0; i < MOST_BEAMS * BINS; i++) {
+        cells[i].variance = 1.0; /* 0, 1 and 2 times the mean */
+    }
+    calibrate(MOST_BEAMS, 3, 2);
+    assert_close_relative(stated[100].of_block, 1.0 / (1.0 - 1.0 / 3.0) + 0.1, 1e-5);
+    for (size_t i = 0; i < MOST_BEAMS * BINS; i++) {
+        cells[i].variance = 3.0;
+    }
+    calibrate(MOST_BEAMS, 3, 2);
+    assert_true(stated[100].of_block > 1000.0f);
+}
+
 /* Blanked bins, a beam that heard nothing, and bins that no beam heard anything in. */
 static void what_is_silent_says_nothing(void **state) {
     (void)state;
@@ -349,6 +369,7 @@ int main(void) {
         cmocka_unit_test(water_errs_alike_in_all_bins),
         cmocka_unit_test(rare_echoes_count_in_bins_around),
         cmocka_unit_test(many_receivers_share_with_those_like_them),
+        cmocka_unit_test(what_one_ping_holds_is_not_known),
         cmocka_unit_test(what_is_silent_says_nothing),
     };
     assert_int_equal(asdic_context_create(&ctx), ASDIC_OK);
