@@ -119,7 +119,7 @@ static void print_object(const asdic_mission_object *o) {
     }
 }
 
-static void print_text(const char *path, const asdic_mission *m, const scene_numbers *n) {
+static void print_text(const char *path, asdic_mission *m, const scene_numbers *n) {
     const asdic_sonar *sonar = asdic_mission_sonar(m);
     printf("%s: a valid scene\n", path);
     printf("  pings       %zu in %.6g s\n", n->pings, n->duration_s);
@@ -137,8 +137,10 @@ static void print_text(const char *path, const asdic_mission *m, const scene_num
     printf("  bins        %zu of %.4g m, from %.4g to %.5g m\n", n->bins, sonar->bin_length_m,
            sonar->blanking_m, n->range_m);
     printf("  rays        %u a ping%s", n->rays.rays, n->rays.is_auto ? " (auto)" : "");
-    if (isnan(n->rays.stderr_db)) {
+    if (asdic_mission_sampling(m)->coherent) {
         printf(", as scatterers of coherent pings\n");
+    } else if (isnan(n->rays.stderr_db)) {
+        printf(", for an error that 'asdic plan' measures\n");
     } else {
         printf(", for a stated error of about %.2g dB r.m.s.\n", n->rays.stderr_db);
     }

@@ -41,9 +41,9 @@ asdic_ray_forecast asdic_mission_ray_forecast(const asdic_mission *mission) {
     const asdic_settings *s = &mission->settings;
     uint32_t rays = s->sampling.rays;
     double c_mps = speed_mps(mission);
-    double error_db = s->sampling.coherent
-                          ? (double)NAN
-                          : asdic_rays_error_db(&s->sonar, c_mps, s->has_meshes, rays);
+    bool is_known = !s->sampling.coherent && s->sampling.sampler == ASDIC_SAMPLER_ADAPTIVE;
+    double error_db =
+        is_known ? asdic_rays_error_db(&s->sonar, c_mps, s->has_meshes, rays) : (double)NAN;
     return (asdic_ray_forecast){.rays = rays,
                                 .is_auto = asdic_settings_rays_are_auto(s),
                                 .auto_rays = asdic_rays_auto(&s->sonar, c_mps, s->has_meshes),

@@ -72,6 +72,18 @@ def test_json_holds_the_same():
     tap.equal(scene["sha256"], hashlib.sha256(EXAMPLE.read_bytes()).hexdigest())
 
 
+def test_errors_are_foretold_of_the_adaptive_sampler_alone():
+    # The others err ten times as much and more: no rule tells how much.
+    for sampler, said in (("adaptive", "for a stated error of about 0.12 dB r.m.s."),
+                          ("beam", "for an error that 'asdic plan' measures"),
+                          ("uniform-sphere", "for an error that 'asdic plan' measures")):
+        scene = MINIMAL + f"sampling: {{sampler: {sampler}, rays: 20000}}\n"
+        text = asdic("check", "-", stdin=scene).check(code=0, err="")
+        tap.contains(text.out, f"  rays        20000 a ping, {said}\n")
+        [found] = json.loads(asdic("check", "-", "--json", stdin=scene).check(code=0).out)
+        tap.equal(found["expected_stderr_db"] is None, sampler != "adaptive")
+
+
 def test_json_and_yaml_scenes_are_equal():
     yaml, as_json = (without_free_space(asdic("check", SCENES / f"example.{e}").out)
                      .partition("\n")[2] for e in ("yaml", "json"))
