@@ -154,7 +154,9 @@ ASDIC_API size_t asdic_simulator_sample_count(const asdic_simulator *sim);
  * results that do not depend on who ran which ping, learn at ping indices that are multiples of
  * ASDIC_LEARN_BLOCK, at that ping's pose, and use it for the block; missions do. Not calling it is
  * allowed: pings are then a little noisier, never biased, but of 16 receivers or more they state
- * errors of 4.3 dB, and samplers that do not learn know nothing of echoes that no ray brought. */
+ * errors of 4.3 dB, and samplers that do not learn know nothing of echoes that no ray brought.
+ * Errors are stated as they are near POSE: at half or twice its height above the bottom, pings of
+ * few rays may err five times as much. */
 #define ASDIC_LEARN_BLOCK 32
 ASDIC_API asdic_status asdic_simulator_learn(asdic_simulator *sim, const asdic_pose *pose,
                                              uint64_t index);
