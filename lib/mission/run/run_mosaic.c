@@ -39,6 +39,9 @@ typedef struct mosaic {
     uint32_t *count; /* of pings that saw the cell */
     double *edges_rad; /* of the beams */
     double db_per_decade, db_per_m;
+    struct {
+        size_t south, north, west, east; /* rows and columns; the last two are behind the last */
+    } seen;                              /* what the picture shows: the box of all that was seen */
 } mosaic;
 
 /* Adds what RECORD, whose sonar has these AXES, heard from (NORTH_M, EAST_M) on the floor:
@@ -120,6 +123,44 @@ static int by_level(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
+static bool is_row_seen(const mosaic *m, size_t row) {
+    const uint32_t *count = m->count + row * m->columns;
+    for (size_t column = 0; column < m->columns; column++) {
+        if (count[column] > 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static bool is_column_seen(const mosaic *m, size_t column) {
+    for (size_t row = 0; row < m->rows; row++) {
+        if (m->count[row * m->columns + column] > 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Of a map of which nothing was seen a place is left. */
+static void find_seen(mosaic *m) {
+    m->seen.south = m->seen.west = 0;
+    m->seen.north = m->rows;
+    m->seen.east = m->columns;
+    while (m->seen.south + 1 < m->seen.north && !is_row_seen(m, m->seen.south)) {
+        m->seen.south++;
+    }
+    while (m->seen.south + 1 < m->seen.north && !is_row_seen(m, m->seen.north - 1)) {
+        m->seen.north--;
+    }
+    while (m->seen.west + 1 < m->seen.east && !is_column_seen(m, m->seen.west)) {
+        m->seen.west++;
+    }
+    while (m->seen.west + 1 < m->seen.east && !is_column_seen(m, m->seen.east - 1)) {
+        m->seen.east--;
+    }
+}
+
 /* Turns sums into levels, NAN where no ping saw the cell, and finds their window. */
 static asdic_status to_levels(mosaic *m, asdic_picture_options *look) {
     size_t cells = m->rows * m->columns, seen = 0;
@@ -150,8 +191,8 @@ static asdic_status write_world(const mosaic *m, const char *path) {
     size_t stem = dot ? (size_t)(dot - path) : strlen(path);
     snprintf(name, sizeof name, "%.*s.pgw", (int)stem, path);
     asdic_digits_print(numbers[0], "%.10g", m->cell_m);
-    asdic_digits_print(numbers[1], "%.10g", m->west_m + 0.5 * m->cell_m);
-    asdic_digits_print(numbers[2], "%.10g", m->south_m + ((double)m->rows - 0.5) * m->cell_m);
+    asdic_digits_print(numbers[1], "%.10g", m->west_m + ((double)m->seen.west + 0.5) * m->cell_m);
+    asdic_digits_print(numbers[2], "%.10g", m->south_m + ((double)m->seen.north - 0.5) * m->cell_m);
     TRY(asdic_file_create(m->ctx, name, &file));
     fprintf(asdic_file_stream(file), "%s\n0\n0\n-%s\n%s\n%s\n", numbers[0], numbers[0], numbers[1],
             numbers[2]);
@@ -176,10 +217,12 @@ static asdic_status write(mosaic *m, const char *path, const asdic_picture_optio
                                  "gain",        gain,
                                  "Description", facts,
                                  NULL};
-    TRY(asdic_raster_init(m->ctx, m->columns, m->rows, &raster));
-    for (size_t row = 0; row < m->rows; row++) {
-        for (size_t column = 0; column < m->columns; column++) {
-            double level_db = m->sum[(m->rows - 1 - row) * m->columns + column]; /* north up */
+    size_t width = m->seen.east - m->seen.west, height = m->seen.north - m->seen.south;
+    TRY(asdic_raster_init(m->ctx, width, height, &raster));
+    for (size_t row = 0; row < height; row++) {
+        const double *from = m->sum + (m->seen.north - 1 - row) * m->columns; /* north up */
+        for (size_t column = 0; column < width; column++) {
+            double level_db = from[m->seen.west + column];
             asdic_raster_set(&raster, column, row,
                              asdic_raster_color(look, level_db, 1.0, EMPTY_RGB));
         }
@@ -225,6 +268,7 @@ static asdic_status lay(mosaic *m, const asdic_render_options *options) {
         TRY(asdic_run_read(m->run, i, &record));
         add_record(m, &record);
     }
+    find_seen(m);
     TRY(to_levels(m, &look));
     TRY(asdic_picture_check(m->ctx, &look));
     return write(m, options->path, &look);
