@@ -128,6 +128,10 @@ static void headers_are_checked(void **state) {
     load("0,0,0,5,0,0,0\n1,0,0,5,0,0,0\n",
          "F:1:1: error: there is no header; the first line must be "
          "time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n");
+    load("time,lat,lon,depth,heading\n0,54.1,7.2,5,0\n",
+         "F:1:1: error: no column of a track; the header is "
+         "time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg in any order, in metres north, east and "
+         "down\n");
     load("time_s;x_m;y_m;z_m;roll_deg;pitch_deg;yaw_deg\n0;0;0;0;0;0;0\n",
          "F:1:1: error: columns are separated by semicolons; they must be by commas\n");
     load("time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\r0,0,0,0,0,0,0\r",

@@ -132,8 +132,12 @@ static void read_header(track_reader *r, const char *line) {
         return;
     }
     if (!has_any_column(r, fields)) {
+        double value;
+        bool is_data = asdic_number_parse(fields[0].text, fields[0].length, &value) == NULL;
         asdic_problems_add(&r->problems, r->line, 1,
-                           "there is no header; the first line must be " HEADER);
+                           is_data ? "there is no header; the first line must be " HEADER
+                                   : "no column of a track; the header is " HEADER " in any order, "
+                                     "in metres north, east and down");
         return;
     }
     for (size_t c = 0; c < COLUMN_COUNT; c++) {
