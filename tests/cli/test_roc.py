@@ -560,7 +560,15 @@ def test_a_mistake_is_told_once():
         done = asdic("roc", scene1, cwd=folder.path).check(2)
         tap.contains(done.err, "error: the scene has no object; give --range")
         tap.equal(done.err.count("error:"), 1, "sentences")
-        tap.equal(folder.names(), [])
+        many = folder.write("many.yaml", "version: 1\nbottom: none\nobjects:\n" + "".join(
+            f"  - {{name: b{i}, point: {{target_strength_db: 0}}, position_m: [{9 + i}, 0, 5]}}\n" for i in range(9))
+            + "sonar: {frequency_khz: 100, ping_rate_hz: 10, source_level_db: 200, receivers: [{name: port, yaw_deg: -9}, {name: starboard, yaw_deg: 9}]}\n"
+              "mission: {pose: {position_m: [0, 0, 5]}}\n")
+        for option, name, end in (("--object", "c1", ", ".join(f"'b{i}'" for i in range(8)) + ", ..."),
+                                  ("--beam", "stern", "there are 'port' to 'starboard'")):
+            done = asdic("roc", many, "--object", "b0", option, name, cwd=folder.path).check(2)
+            tap.equal(done.err.strip().endswith(f"{name}'; {'it has ' if name == 'c1' else ''}{end}"), True, done.err)
+        tap.equal(folder.names(), ["many.yaml"])
 
 
 def test_it_stops_within_a_second():

@@ -6,6 +6,7 @@
 
 #include "base/context.h"
 #include "base/memory_left.h"
+#include "base/text.h"
 #include "base/try.h"
 #include "base/vec.h"
 #include "detect/roc_curve.h"
@@ -64,6 +65,26 @@ asdic_roc_options asdic_roc_options_default(void) {
                                .seed = 1};
 }
 
+/* Of the names that an error tells. */
+#define MOST_NAMES 8
+
+static asdic_status fail_object(const scene_job *job, const char *name) {
+    const asdic_mission *m = job->mission;
+    asdic_text names = {0};
+    for (size_t i = 0, named = 0; i < m->object_count && named <= MOST_NAMES; i++) {
+        if (m->objects[i].name[0] && named++ < MOST_NAMES) {
+            asdic_text_format(&names, "%s '%s'", named > 1 ? "," : "; it has", m->objects[i].name);
+        } else if (named > MOST_NAMES) {
+            asdic_text_add(&names, ", ...");
+        }
+    }
+    asdic_status status =
+        asdic_fail(job->ctx, ASDIC_ERROR_ARGUMENT, "the scene has no object '%s'%s", name,
+                   names.data ? names.data : "");
+    asdic_text_finish(&names);
+    return status;
+}
+
 /* The object asked for. Truth numbers objects from 1 on; a bottom that is listed with them has no name. */
 static asdic_status find_object(scene_job *job) {
     const asdic_mission *m = job->mission;
@@ -80,9 +101,7 @@ static asdic_status find_object(scene_job *job) {
         }
     }
     job->number = named > 1 ? job->number : 0;
-    return is_there
-               ? ASDIC_OK
-               : asdic_fail(job->ctx, ASDIC_ERROR_ARGUMENT, "the scene has no object '%s'", name);
+    return is_there ? ASDIC_OK : fail_object(job, name);
 }
 
 static asdic_status ping_with(scene_job *job, asdic_simulator *sim) {
@@ -329,9 +348,12 @@ static asdic_status choose_beams(const scene_job *job, size_t *first, size_t *en
             return ASDIC_OK;
         }
     }
-    return job->options->beam ? asdic_fail(job->ctx, ASDIC_ERROR_ARGUMENT,
-                                           "the sonar has no beam '%s'", job->options->beam)
-                              : ASDIC_OK;
+    const asdic_beam *all = job->sonar.receivers;
+    return job->options->beam
+               ? asdic_fail(job->ctx, ASDIC_ERROR_ARGUMENT,
+                            "the sonar has no beam '%s'; there are '%s' to '%s'",
+                            job->options->beam, all[0].name, all[job->beams - 1].name)
+               : ASDIC_OK;
 }
 
 /* The bins in which the target may be. */
