@@ -29,8 +29,7 @@ def valgrind(*command, tool="memcheck", options=()):
     """Runs COMMAND; any finding makes the exit code 99."""
     if not shutil.which("valgrind"):
         raise tap.Skip("there is no valgrind")
-    if subprocess.run(["ldd", program.PATH], capture_output=True, text=True,
-                      check=False).stdout.find("san.so") >= 0:
+    if program.is_sanitized():
         raise tap.Skip("valgrind does not run what sanitizers watch")
     done = subprocess.run(["valgrind", f"--tool={tool}", "-q", "--error-exitcode=99", *options,
                            f"--suppressions={HERE / 'valgrind.supp'}", *map(str, command)],

@@ -91,6 +91,11 @@ def need_device():
         raise tap.Skip(devices_lack())
 
 
+def is_sanitized():
+    """Whether the program was built with a sanitizer, which wants a processor's whole address space."""
+    return "san.so" in subprocess.run(["ldd", PATH], capture_output=True, text=True, check=False).stdout
+
+
 class Folder:
     """A temporary folder: `with Folder() as folder: folder.write("a.yaml", text)`."""
 
