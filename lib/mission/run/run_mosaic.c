@@ -123,42 +123,23 @@ static int by_level(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-static bool is_row_seen(const mosaic *m, size_t row) {
-    const uint32_t *count = m->count + row * m->columns;
-    for (size_t column = 0; column < m->columns; column++) {
-        if (count[column] > 0) {
-            return true;
-        }
-    }
-    return false;
-}
-
-static bool is_column_seen(const mosaic *m, size_t column) {
-    for (size_t row = 0; row < m->rows; row++) {
-        if (m->count[row * m->columns + column] > 0) {
-            return true;
-        }
-    }
-    return false;
-}
-
 /* Of a map of which nothing was seen a place is left. */
 static void find_seen(mosaic *m) {
-    m->seen.south = m->seen.west = 0;
-    m->seen.north = m->rows;
-    m->seen.east = m->columns;
-    while (m->seen.south + 1 < m->seen.north && !is_row_seen(m, m->seen.south)) {
-        m->seen.south++;
+    size_t south = m->rows - 1, north = 0, west = m->columns - 1, east = 0;
+    for (size_t row = 0; row < m->rows; row++) {
+        for (size_t column = 0; column < m->columns; column++) {
+            if (m->count[row * m->columns + column] > 0) {
+                south = row < south ? row : south;
+                north = row + 1;
+                west = column < west ? column : west;
+                east = column + 1 > east ? column + 1 : east;
+            }
+        }
     }
-    while (m->seen.south + 1 < m->seen.north && !is_row_seen(m, m->seen.north - 1)) {
-        m->seen.north--;
-    }
-    while (m->seen.west + 1 < m->seen.east && !is_column_seen(m, m->seen.west)) {
-        m->seen.west++;
-    }
-    while (m->seen.west + 1 < m->seen.east && !is_column_seen(m, m->seen.east - 1)) {
-        m->seen.east--;
-    }
+    m->seen.south = south;
+    m->seen.north = north > 0 ? north : m->rows;
+    m->seen.west = west;
+    m->seen.east = east > 0 ? east : m->columns;
 }
 
 /* Turns sums into levels, NAN where no ping saw the cell, and finds their window. */
