@@ -51,9 +51,16 @@ asdic_bent_ray asdic_bent_ray_at_plane(const asdic_layers *layers, const asdic_b
 /* Takes RAY, on a plane, into the next layer; false where there is none. */
 bool asdic_bent_ray_cross(const asdic_layers *layers, asdic_bent_ray *ray, int way);
 
+/* S, without the limit at a caustic. */
 static inline double asdic_bent_ray_spread_m2(const asdic_bent_ray *ray) {
     double width = ray->width_m < 0.0 ? -ray->width_m : ray->width_m;
     return ray->area_m2_per_s * width / ray->speed_mps;
+}
+
+/* The same with the limit, of a ray whose time is that to RANGE_M. */
+static inline double asdic_bent_ray_limited_m2(const asdic_bent_ray *ray, double range_m) {
+    double spread = asdic_bent_ray_spread_m2(ray), least = ASDIC_LEAST_SPREAD * range_m * range_m;
+    return spread > least ? spread : least;
 }
 
 #endif

@@ -87,7 +87,7 @@ static asdic_bent_ray ray_at(const water_part *part, double range_m) {
 static double water_density(const water_part *part, double range_m) {
     const bent_job *job = part->job;
     asdic_bent_ray at = ray_at(part, range_m);
-    double spread = fmax(asdic_bent_ray_spread_m2(&at), ASDIC_LEAST_SPREAD * range_m * range_m);
+    double spread = asdic_bent_ray_limited_m2(&at, range_m);
     double speed = at.speed_mps / job->speed_mps;
     return speed * speed * exp(-2.0 * job->absorption_np_per_m * (at.length_m - 1.0)) / spread;
 }
@@ -233,8 +233,7 @@ static double boundary(const bent_job *job, const ray_outcome *out) {
     }
     const asdic_bent_ray *ray = &out->ray;
     double grazing = fmin(fmax(fabs(ray->sine), 1e-9), 1.0);
-    double spread =
-        fmax(asdic_bent_ray_spread_m2(ray), ASDIC_LEAST_SPREAD * out->range_m * out->range_m);
+    double spread = asdic_bent_ray_limited_m2(ray, out->range_m);
     double strength = asdic_flat_strength(job->laws, out->end == ENDS_ON_SURFACE, grazing);
     double loss = exp(-2.0 * job->absorption_np_per_m * (ray->length_m - 1.0));
     return strength * loss * ray->speed_mps / (job->speed_mps * spread * grazing);

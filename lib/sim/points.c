@@ -142,8 +142,7 @@ static asdic_status add_eigenrays(asdic_simulator *sim, const asdic_layers *laye
     for (size_t i = 0; i < count; i++) {
         const asdic_eigenray *found = &rays[i];
         double range = shot->water.sound_speed_mps * found->end.time_s;
-        double least = ASDIC_LEAST_SPREAD * range * range; /* at a caustic */
-        double spread = fmax(asdic_bent_ray_spread_m2(&found->end), least);
+        double spread = asdic_bent_ray_limited_m2(&found->end, range);
         if (!asdic_eigenray_keeps_between(layers, from.z, across, found, top, bottom) ||
             !(range > NEAREST)) {
             continue;

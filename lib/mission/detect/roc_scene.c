@@ -217,8 +217,7 @@ static double bent_echo_lin(const scene_job *job, size_t beam, double range_m, a
     size_t count = asdic_eigenrays_find(&job->layers, z, z + range_m * u.z, range_m * level, rays);
     for (size_t i = 0; i < count; i++) {
         double way_m = job->water.sound_speed_mps * rays[i].end.time_s;
-        double spread =
-            fmax(asdic_bent_ray_spread_m2(&rays[i].end), ASDIC_LEAST_SPREAD * way_m * way_m);
+        double spread = asdic_bent_ray_limited_m2(&rays[i].end, way_m);
         double cosine = cos(rays[i].elevation_rad) / level;
         asdic_vec3 leaves = {cosine * u.x, cosine * u.y, sin(rays[i].elevation_rad)};
         double loss = exp(-2.0 * job->water.absorption_np_per_m * (rays[i].end.length_m - 1.0));
