@@ -25,6 +25,7 @@ struct asdic_mission {
     char *path; /* as given; "-" is standard input */
     char *text; /* in UTF-8, as run.json keeps it */
     char hash[65];
+    char file_hash[65]; /* of the scene file's bytes alone, whatever it includes or draws */
     asdic_settings settings;
     asdic_scene *scene;
     asdic_mission_object *objects;

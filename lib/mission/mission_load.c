@@ -22,7 +22,8 @@
 /* Keeps SIZE BYTES of a scene in MISSION: as UTF-8, and their hash. */
 static asdic_status keep_text(asdic_context *ctx, asdic_mission *m, const char *bytes, size_t size,
                               size_t *length) {
-    asdic_sha256_hex(bytes, size, m->hash);
+    asdic_sha256_hex(bytes, size, m->file_hash);
+    memcpy(m->hash, m->file_hash, sizeof m->hash);
     m->text = asdic_text_to_utf8(bytes, size, length);
     return m->text ? ASDIC_OK : asdic_fail_memory(ctx, "the scene file's text");
 }

@@ -9,7 +9,6 @@
 #include "trial_run.h"
 
 #include "base/context.h"
-#include "base/file_read.h"
 #include "base/number.h"
 #include "base/sha256.h"
 #include "base/share.h"
@@ -69,20 +68,9 @@ asdic_trial_options asdic_trial_options_default(void) {
 
 /* --- a run ------------------------------------------------------------------------------------- */
 
-static asdic_status hash_scene(asdic_context *ctx, const char *path, char hex[65]) {
-    char *text = NULL;
-    size_t bytes = 0;
-    TRY(asdic_file_read(ctx, path, SIZE_MAX, &text, &bytes));
-    asdic_sha256_hex(text, bytes, hex);
-    free(text);
-    return ASDIC_OK;
-}
-
 /* The scene is read for every run: one that is edited meanwhile is not flown on. */
-static asdic_status check_scene(const fleet *f) {
-    char now[65];
-    TRY(hash_scene(f->ctx, f->options->scene, now));
-    return strcmp(now, f->scene_hash) == 0
+static asdic_status check_scene(const fleet *f, const asdic_mission *mission) {
+    return strcmp(mission->file_hash, f->scene_hash) == 0
                ? ASDIC_OK
                : asdic_fail(f->ctx, ASDIC_ERROR_INPUT,
                             "%s has changed since its trial began; put it back and go on with "
@@ -99,7 +87,7 @@ static asdic_status fly(worker *w, uint64_t job, asdic_text *row, uint64_t *ping
     char why[ASDIC_TRIAL_WHY];
     asdic_status status = asdic_trial_load(w->fleet->ctx, o, run, variant, w->before, &mission);
     asdic_mission_destroy(&w->before);
-    status = status ? status : check_scene(w->fleet);
+    status = status ? status : check_scene(w->fleet, mission);
     if (status) {
         asdic_mission_destroy(&mission);
         return status;
@@ -226,9 +214,9 @@ static void warn_of_background(asdic_context *ctx, const asdic_mission *m) {
 }
 
 /* The hash of each variant: of its run 0, with what that includes, and of its section `trial`; and of all files
- * that are named. */
+ * that are named. SCENE_HASH: of the scene's file. */
 static asdic_status describe(asdic_context *ctx, const asdic_trial_options *o, trial_facts *facts,
-                             asdic_text *header, bool *is_ideal) {
+                             asdic_text *header, bool *is_ideal, char scene_hash[65]) {
     asdic_text all = {0};
     char *name = asdic_scene_name(o->scene);
     asdic_status status = name ? ASDIC_OK : asdic_fail_memory(ctx, "a name");
@@ -255,6 +243,7 @@ static asdic_status describe(asdic_context *ctx, const asdic_trial_options *o, t
             asdic_text_format(&all, "%s %s %s %s\n", asdic_mission_hash(mission),
                               mission->trial_hash, key, value);
             if (v == 0) {
+                memcpy(scene_hash, mission->file_hash, sizeof mission->file_hash);
                 warn_of_background(ctx, mission);
                 asdic_trial_print_header(mission, header);
             }
@@ -517,10 +506,7 @@ asdic_status asdic_trial_fly(asdic_context *ctx, asdic_device **devices, size_t 
     bool is_ideal = false;
     TRY(check(ctx, &o));
     fleet f = {.ctx = ctx, .options = &o, .lock = PTHREAD_MUTEX_INITIALIZER};
-    asdic_status status = hash_scene(ctx, o.scene, f.scene_hash);
-    if (!status) {
-        status = describe(ctx, &o, &facts, &header, &is_ideal);
-    }
+    asdic_status status = describe(ctx, &o, &facts, &header, &is_ideal, f.scene_hash);
     if (!status && !is_ideal && device_count == 0) {
         status = asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "a trial that pings needs a device");
     }
