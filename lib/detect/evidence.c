@@ -26,7 +26,7 @@
 /* In K speckle likelihood ratios are tabled by strength re the background: from, in steps of, how many. */
 #define FIRST_DB (-12.0)
 #define STEP_DB 4.0
-#define STRENGTHS 16
+#define STRENGTHS ASDIC_LLRS_MOST
 /* Echoes as strong re the background are explained elsewhere, so many at one range. */
 #define STRONG_LIN 30.0
 #define MOST_ECHOES 8
@@ -253,16 +253,20 @@ static bool is_known(const reader *r, size_t beam, size_t bin) {
 static void fill_table(reader *r, size_t beam, size_t bin) {
     const asdic_look *look = r->look;
     size_t cell = beam * look->bins + bin;
+    if (r->law.shape > ASDIC_SHAPE_MAX) {
+        return;
+    }
     double mean = look->background_lin[cell], extra = r->extra_lin[beam];
     double noise = look->noise_lin ? look->noise_lin[cell] : 0.0;
     asdic_background law = r->law;
     law.mean_lin = mean + extra;
     law.noise_share = fmin(fmax((noise + extra) / law.mean_lin, 0.0), 1.0);
-    for (int q = 0; q < STRENGTHS && law.shape <= ASDIC_SHAPE_MAX; q++) {
-        double target = mean * pow(10.0, 0.1 * (FIRST_DB + STEP_DB * q));
-        r->table[beam * STRENGTHS + (size_t)q] =
-            asdic_detect_llr(&law, ASDIC_TARGET_SWERLING2, target, look->intensity_lin[cell]);
+    double target_lin[STRENGTHS];
+    for (int q = 0; q < STRENGTHS; q++) {
+        target_lin[q] = mean * pow(10.0, 0.1 * (FIRST_DB + STEP_DB * q));
     }
+    asdic_detect_llrs(&law, ASDIC_TARGET_SWERLING2, target_lin, STRENGTHS,
+                      look->intensity_lin[cell], r->table + beam * STRENGTHS);
 }
 
 /* ln of the ratio of BEAM at BIN for an echo of ECHO_LIN: that of asdic_detect_llr for independent

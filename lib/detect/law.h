@@ -18,6 +18,12 @@ asdic_status asdic_background_check(asdic_context *ctx, const asdic_background *
  * texture modulates. */
 asdic_background asdic_background_blurred(asdic_background background, double stderr_db);
 
+/* asdic_detect_llr of COUNT targets at once, at most ASDIC_LLRS_MOST, into LLR: in K speckle their textures are gone
+ * through once. NAN for all where one is out of range. */
+#define ASDIC_LLRS_MOST 16
+void asdic_detect_llrs(const asdic_background *background, asdic_target target,
+                       const double *target_lin, size_t count, double intensity_lin, double *llr);
+
 /* What CFAR needs to know of a window of so many bins: threshold over statistic, and the statistic over
  * the background's mean; the P_FA of a threshold by cost. 0: not computed yet. */
 typedef struct asdic_cfar_scale {

@@ -116,43 +116,73 @@ static bool add(log_sum *s, double part) {
     return is_rising || part - s->largest > LOG_EPSILON;
 }
 
-/* Densities of the two hypotheses at one intensity. */
+/* Densities without a target and with each of some, at one intensity. */
 typedef struct averages {
-    log_sum none, target;
+    log_sum none, target[ASDIC_LLRS_MOST];
 } averages;
 
-/* Adds the textures e^V from V on in steps of STEP until they matter for neither hypothesis. */
-static void add_textures(const asdic_background *b, asdic_target target, double x, double snr,
-                         double v, double step, averages *to) {
+/* Adds the textures e^V from V on in steps of STEP until they matter for no hypothesis. */
+static void add_textures(const asdic_background *b, asdic_target target, double x,
+                         const double *snr, size_t count, double v, double step, averages *to) {
     double m = (double)b->looks;
-    to->none.last = to->target.last = -INFINITY;
+    to->none.last = -INFINITY;
+    for (size_t i = 0; i < count; i++) {
+        to->target[i].last = -INFINITY;
+    }
     for (bool matters = true; matters; v += step) {
         double mean = fmax((1.0 - b->noise_share) * exp(v) + b->noise_share, LEAST_MEAN);
         double weight = b->shape * (v - expm1(v)) - m * log(mean);
         matters = add(&to->none, weight - x / mean);
-        matters |= add(&to->target, weight + log_density(target, m, x / mean, snr / mean));
+        for (size_t i = 0; i < count; i++) {
+            double density = log_density(target, m, x / mean, snr[i] / mean);
+            matters |= add(&to->target[i], weight + density);
+        }
+    }
+}
+
+/* In K speckle: SNR[COUNT] to LLR[COUNT], at an intensity of X. */
+static void average_textures(const asdic_background *b, asdic_target target, double x,
+                             const double *snr, size_t count, double *llr) {
+    double m = (double)b->looks;
+    x = fmin(x, m * MOST_INTENSITY);
+    /* Curvature of the exponent where texture and intensity meet, as in detection_k. */
+    double meet = fmax(0.5 * log(fmax(x, 1e-300) / b->shape), 0.0);
+    double step = fmin(0.2, 0.4 / sqrt(b->shape * exp(meet) + (x + m) * exp(-meet)));
+    const log_sum nothing = {-INFINITY, 0.0, 0.0};
+    averages sums = {.none = nothing};
+    for (size_t i = 0; i < count; i++) {
+        sums.target[i] = nothing;
+    }
+    add_textures(b, target, x, snr, count, 0.0, step, &sums);
+    add_textures(b, target, x, snr, count, -step, -step, &sums);
+    for (size_t i = 0; i < count; i++) {
+        const log_sum *with = &sums.target[i], *none = &sums.none;
+        llr[i] = with->largest - none->largest + log(with->sum / none->sum);
+    }
+}
+
+void asdic_detect_llrs(const asdic_background *b, asdic_target target, const double *target_lin,
+                       size_t count, double intensity_lin, double *llr) {
+    double m = (double)b->looks, x = m * intensity_lin / b->mean_lin, snr[ASDIC_LLRS_MOST];
+    bool is_good = asdic_background_is_good(b) && intensity_lin >= 0.0;
+    bool is_textured = b->shape <= ASDIC_SHAPE_MAX && b->noise_share < 1.0;
+    for (size_t i = 0; i < count; i++) {
+        snr[i] = target_lin[i] / b->mean_lin;
+        is_good = is_good && target_lin[i] >= 0.0 && !isinf(m * snr[i] / LEAST_MEAN);
+    }
+    for (size_t i = 0; i < count && !(is_good && is_textured); i++) {
+        llr[i] = is_good ? log_density(target, m, x, snr[i]) + x : (double)NAN;
+    }
+    if (is_good && is_textured) {
+        average_textures(b, target, x, snr, count, llr);
     }
 }
 
 double asdic_detect_llr(const asdic_background *b, asdic_target target, double target_lin,
                         double intensity_lin) {
-    double m = (double)b->looks, snr = target_lin / b->mean_lin;
-    double x = m * intensity_lin / b->mean_lin;
-    if (!asdic_background_is_good(b) || !(target_lin >= 0.0) || !(intensity_lin >= 0.0) ||
-        isinf(m * snr / LEAST_MEAN)) {
-        return NAN;
-    }
-    if (b->shape > ASDIC_SHAPE_MAX || b->noise_share >= 1.0) {
-        return log_density(target, m, x, snr) + x;
-    }
-    x = fmin(x, m * MOST_INTENSITY);
-    /* Curvature of the exponent where texture and intensity meet, as in detection_k. */
-    double meet = fmax(0.5 * log(fmax(x, 1e-300) / b->shape), 0.0);
-    double step = fmin(0.2, 0.4 / sqrt(b->shape * exp(meet) + (x + m) * exp(-meet)));
-    averages sums = {{-INFINITY, 0.0, 0.0}, {-INFINITY, 0.0, 0.0}};
-    add_textures(b, target, x, snr, 0.0, step, &sums);
-    add_textures(b, target, x, snr, -step, -step, &sums);
-    return sums.target.largest - sums.none.largest + log(sums.target.sum / sums.none.sum);
+    double llr;
+    asdic_detect_llrs(b, target, &target_lin, 1, intensity_lin, &llr);
+    return llr;
 }
 
 double asdic_detect_posterior(double llr, double prior) {
