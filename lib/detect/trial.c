@@ -58,16 +58,21 @@ asdic_estimate asdic_estimate_within(uint64_t events, uint64_t trials, double le
                             .high = events == trials ? 1.0 : bound(k, n, false, tail)};
 }
 
+/* A target's power in all looks re its mean. Takes two numbers, whichever it needs. */
+static double draw_fluctuation(asdic_target target, asdic_variates *v) {
+    double first = asdic_variates_uniform(v), second = asdic_variates_uniform(v);
+    return target == ASDIC_TARGET_SWERLING1   ? -log(first)
+           : target == ASDIC_TARGET_SWERLING3 ? -0.5 * (log(first) + log(second))
+                                              : 1.0;
+}
+
 /* One intensity re the background's mean. The order of the numbers is fixed: two for the target,
  * two a look, and the texture's, of which there may be any number, last but drawn from a cell of
  * their own. */
 static double draw_one(const asdic_background *b, asdic_target target, double snr, uint64_t seed,
                        uint64_t index) {
     asdic_variates v = asdic_variates_begin(RANDOM_TRIAL, seed, index, 0);
-    double first = asdic_variates_exponential(&v), second = asdic_variates_exponential(&v);
-    double fluctuation = target == ASDIC_TARGET_SWERLING0   ? 1.0
-                         : target == ASDIC_TARGET_SWERLING1 ? first
-                                                            : 0.5 * (first + second);
+    double fluctuation = draw_fluctuation(target, &v);
     double mean = 1.0, sum = 0.0;
     if (b->shape <= ASDIC_SHAPE_MAX) {
         asdic_variates t = asdic_variates_begin(RANDOM_TRIAL, seed, index, 1);

@@ -21,7 +21,8 @@ typedef struct asdic_roc_options {
     size_t ping;         /* of the mission: where the vehicle is */
     asdic_target target; /* how the echo fluctuates */
     double pfa;          /* at which P_D is given over range */
-    uint64_t trials;     /* draws with, and draws without the target: 1000..1e8 */
+    /* Draws with, and draws without the target: 1000..1e8; at each range 20,000 at most. */
+    uint64_t trials;
     uint64_t seed; /* one seed, one set of numbers: curves of one seed are compared in pairs */
 } asdic_roc_options;
 

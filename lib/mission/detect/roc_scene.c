@@ -26,7 +26,8 @@
 
 /* Ranges at which P_D is computed; draws for each. */
 #define MOST_RANGES 100
-#define REACH_TRIALS 20000u
+/* Draws at each, if as many are asked for. */
+#define MOST_REACH_TRIALS 20000u
 /* Of a draw with the target and one without, while the area is found. */
 #define TRIAL_BYTES 80u
 
@@ -428,6 +429,8 @@ static asdic_status find_cell(scene_job *job, size_t *cell, asdic_roc_case *foun
 
 static asdic_status fill_reach(const scene_job *job, size_t beam, asdic_roc *roc) {
     size_t step = (job->bins + MOST_RANGES - 1) / MOST_RANGES;
+    uint64_t asked = job->options->trials;
+    uint64_t trials = asked < MOST_REACH_TRIALS ? asked : MOST_REACH_TRIALS;
     roc->reach = calloc(job->bins / step + 1, sizeof *roc->reach);
     if (!roc->reach) {
         return asdic_fail_memory(job->ctx, "ranges");
@@ -447,7 +450,7 @@ static asdic_status fill_reach(const scene_job *job, size_t beam, asdic_roc *roc
             .range_m = range_m,
             .snr_db = asdic_level_db(c.target_lin / c.none.mean_lin),
             .pd = asdic_detect_simulate(&c.none, job->options->target, c.target_lin, threshold,
-                                        REACH_TRIALS, job->options->seed + n),
+                                        trials, job->options->seed + n),
             .closed_pd = asdic_detect_pd(&c.none, job->options->target, c.target_lin, threshold),
             .model_pd = model_pd};
     }
