@@ -170,11 +170,12 @@ static void add_column(update *u, const spot *s, size_t heading, double low_m, d
     double count = ranges_of(u, s);
     for (double i = 0.5; i < count; i += 1.0) {
         double plane_m = fmax(s->plane_m + (2.0 * i / count - 1.0) * s->half_m, 0.0);
-        double spread_m = hypot(plane_m, fmax(fabs(low_m), fabs(high_m))) - plane_m;
+        double most_m = fmax(fabs(low_m), fabs(high_m)), plane2 = plane_m * plane_m;
+        double spread_m = sqrt(plane2 + most_m * most_m) - plane_m;
         double heights = fmin(2.0 * floor(1.0 + spread_m / bin_m), MOST_HEIGHTS);
         for (double k = 0.5; k < heights; k += 1.0) {
-            add_place(u, heading, hypot(plane_m, low_m + k / heights * height_m),
-                      height_m / (count * heights));
+            double at_m = low_m + k / heights * height_m;
+            add_place(u, heading, sqrt(plane2 + at_m * at_m), height_m / (count * heights));
         }
     }
 }
