@@ -6,6 +6,7 @@
 
 #include "base/context.h"
 #include "base/try.h"
+#include "base/widest.h"
 #include "evidence.h"
 #include "sim/ring.h"
 
@@ -107,6 +108,12 @@ typedef struct place {
     double share;
 } place;
 
+/* A distance in a long cell: how many heights an object may be at there, and their bins, of as many as
+ * there may be. */
+typedef struct rung {
+    double heights, bin[MOST_HEIGHTS];
+} rung;
+
 /* A ping's evidence, and what the map says of the cells of each heading and bin. */
 typedef struct update {
     asdic_occupancy *map;
@@ -120,10 +127,10 @@ typedef struct update {
     size_t most_ranges; /* of a cell that is longer than a bin, at most */
     place *places;      /* of the spot in hand, with room for those of all arcs */
     size_t place_count;
+    rung *rungs; /* of the spot in hand */
 } update;
 
-static void add_place(update *u, size_t heading, double range_m, double share) {
-    double bin = range_m / u->look->sonar->bin_length_m;
+static void add_place(update *u, size_t heading, double bin, double share) {
     size_t at = heading * u->seen.bins + (size_t)fmin(bin, (double)u->seen.bins - 1.0);
     if (bin < (double)u->seen.bins && !isnan(u->seen.ratio[at])) {
         u->places[u->place_count++] = (place){at, share};
@@ -158,24 +165,41 @@ static void add_on_floor(update *u, const spot *s) {
         double count = ranges_of(u, s);
         for (double i = 0.5; i < count; i += 1.0) {
             double plane_m = s->plane_m + (2.0 * i / count - 1.0) * s->half_m;
-            add_place(u, best, sqrt(plane_m * plane_m + below * below), 1.0 / count);
+            double range_m = sqrt(plane_m * plane_m + below * below);
+            add_place(u, best, range_m / u->look->sonar->bin_length_m, 1.0 / count);
         }
     }
 }
 
-/* In the water of a long cell: as many distances as it has bins, of each the heights LOW_M to HIGH_M in as many steps
- * as they spread over bins. */
-static void add_column(update *u, const spot *s, size_t heading, double low_m, double high_m) {
-    double bin_m = u->look->sonar->bin_length_m, height_m = high_m - low_m;
-    double count = ranges_of(u, s);
-    for (double i = 0.5; i < count; i += 1.0) {
-        double plane_m = fmax(s->plane_m + (2.0 * i / count - 1.0) * s->half_m, 0.0);
-        double most_m = fmax(fabs(low_m), fabs(high_m)), plane2 = plane_m * plane_m;
-        double spread_m = sqrt(plane2 + most_m * most_m) - plane_m;
-        double heights = fmin(2.0 * floor(1.0 + spread_m / bin_m), MOST_HEIGHTS);
-        for (double k = 0.5; k < heights; k += 1.0) {
-            double at_m = low_m + k / heights * height_m;
-            add_place(u, heading, sqrt(plane2 + at_m * at_m), height_m / (count * heights));
+/* A column of water between LOW_M and HIGH_M re the sonar, over COUNT distances of a long cell. */
+typedef struct column {
+    double plane_m, half_m, low_m, high_m, bin_m, count;
+} column;
+
+/* At each distance as many heights as these spread over bins. */
+WIDEST static void find_rungs(const column *c, rung *restrict rungs) {
+    double height_m = c->high_m - c->low_m, most_m = fmax(fabs(c->low_m), fabs(c->high_m));
+    for (size_t n = 0; n < (size_t)c->count; n++) {
+        double plane_m = c->plane_m + (2.0 * ((double)n + 0.5) / c->count - 1.0) * c->half_m;
+        double ahead_m = plane_m > 0.0 ? plane_m : 0.0, plane2 = ahead_m * ahead_m;
+        double spread_m = sqrt(plane2 + most_m * most_m) - ahead_m;
+        double heights = 2.0 * floor(1.0 + spread_m / c->bin_m);
+        heights = heights < MOST_HEIGHTS ? heights : MOST_HEIGHTS;
+        rungs[n].heights = heights;
+        for (int k = 0; k < MOST_HEIGHTS; k++) {
+            double at_m = c->low_m + ((double)k + 0.5) / heights * height_m;
+            rungs[n].bin[k] = sqrt(plane2 + at_m * at_m) / c->bin_m;
+        }
+    }
+}
+
+static void add_column(update *u, size_t heading, const column *c) {
+    double height_m = c->high_m - c->low_m;
+    find_rungs(c, u->rungs);
+    for (const rung *r = u->rungs; r < u->rungs + (size_t)c->count; r++) {
+        double share = height_m / (c->count * r->heights);
+        for (size_t k = 0; k < (size_t)r->heights; k++) {
+            add_place(u, heading, r->bin[k], share);
         }
     }
 }
@@ -195,7 +219,8 @@ static void add_in_water(update *u, const spot *s) {
         }
         heard_m += high - low;
         if (s->half_m > 0.0) {
-            add_column(u, s, a * f->azimuths + s->azimuth, low, high);
+            column c = {s->plane_m, s->half_m, low, high, bin_m, ranges_of(u, s)};
+            add_column(u, a * f->azimuths + s->azimuth, &c);
             continue;
         }
         double least = low * high < 0.0 ? 0.0 : fmin(low * low, high * high);
@@ -203,8 +228,8 @@ static void add_in_water(update *u, const spot *s) {
         double step = fmax(bin_m, 0.5 * u->map->cell_m);
         double heights = fmin(floor(1.0 + (far_m - near_m) / step), MOST_HEIGHTS);
         for (double i = 0.5; i < heights; i += 1.0) {
-            add_place(u, a * f->azimuths + s->azimuth, near_m + i / heights * (far_m - near_m),
-                      (high - low) / heights);
+            double range_m = near_m + i / heights * (far_m - near_m);
+            add_place(u, a * f->azimuths + s->azimuth, range_m / bin_m, (high - low) / heights);
         }
     }
     double all_m = isfinite(above + below) ? fmax(heard_m, above + below) : heard_m;
@@ -383,7 +408,8 @@ static asdic_status add(asdic_context *ctx, update *u) {
     double across = ceil(sqrt(2.0) * u->map->cell_m / u->look->sonar->bin_length_m);
     u->most_ranges = (size_t)fmin(across, (double)u->seen.bins);
     u->places = malloc((u->seen.arcs * u->most_ranges * MOST_HEIGHTS + 1) * sizeof *u->places);
-    if (!u->rate || !u->places) {
+    u->rungs = malloc((u->most_ranges + 1) * sizeof *u->rungs);
+    if (!u->rate || !u->places || !u->rungs) {
         return asdic_fail_memory(ctx, "an occupancy map");
     }
     u->empty = u->rate + count;
@@ -422,6 +448,7 @@ asdic_status asdic_occupancy_add(asdic_context *ctx, asdic_occupancy *map, const
     free(u.spots);
     free(u.rate);
     free(u.places);
+    free(u.rungs);
     asdic_evidence_finish(&u.seen);
     return status;
 }
