@@ -172,12 +172,12 @@ static void add_on_floor(update *u, const spot *s) {
 }
 
 /* A column of water between LOW_M and HIGH_M re the sonar, over COUNT distances of a long cell. */
-typedef struct column {
+typedef struct water_column {
     double plane_m, half_m, low_m, high_m, bin_m, count;
-} column;
+} water_column;
 
 /* At each distance as many heights as these spread over bins. */
-WIDEST static void find_rungs(const column *c, rung *restrict rungs) {
+WIDEST static void find_rungs(const water_column *c, rung *restrict rungs) {
     double height_m = c->high_m - c->low_m, most_m = fmax(fabs(c->low_m), fabs(c->high_m));
     for (size_t n = 0; n < (size_t)c->count; n++) {
         double plane_m = c->plane_m + (2.0 * ((double)n + 0.5) / c->count - 1.0) * c->half_m;
@@ -193,7 +193,7 @@ WIDEST static void find_rungs(const column *c, rung *restrict rungs) {
     }
 }
 
-static void add_column(update *u, size_t heading, const column *c) {
+static void add_column(update *u, size_t heading, const water_column *c) {
     double height_m = c->high_m - c->low_m;
     find_rungs(c, u->rungs);
     for (const rung *r = u->rungs; r < u->rungs + (size_t)c->count; r++) {
@@ -219,7 +219,7 @@ static void add_in_water(update *u, const spot *s) {
         }
         heard_m += high - low;
         if (s->half_m > 0.0) {
-            column c = {s->plane_m, s->half_m, low, high, bin_m, ranges_of(u, s)};
+            water_column c = {s->plane_m, s->half_m, low, high, bin_m, ranges_of(u, s)};
             add_column(u, a * f->azimuths + s->azimuth, &c);
             continue;
         }

@@ -13,6 +13,7 @@
 
 #include "base/context.h"
 #include "base/quadrature.h"
+#include "base/share.h"
 #include "base/try.h"
 #include "expected_bent.h"
 #include "noise_level.h"
@@ -179,17 +180,31 @@ static asdic_ring aim(const asdic_sonar *sonar, size_t receiver, const asdic_pos
                         pow(10.0, 0.1 * sonar->rear_floor_db)};
 }
 
-/* A twentieth of what the profiles took, which have said how far they are. */
+/* Beams that are computed on threads. */
+typedef struct beams_job {
+    asdic_context *ctx;
+    const asdic_flat_laws *laws;
+    const asdic_sonar *sonar;
+    asdic_ring_profile *const *profiles;
+    asdic_ping *ping;
+} beams_job;
+
+static void compute_beams(void *user, unsigned worker, size_t first, size_t end) {
+    const beams_job *j = user;
+    (void)worker;
+    for (size_t b = first; b < end && !asdic_context_interrupted(j->ctx); b++) {
+        compute_beam(j->laws, j->sonar, j->profiles[b], j->ping, b);
+    }
+}
+
+/* Less than the profiles took, which have said how far they are. */
 static asdic_status compute_straight(asdic_context *ctx, const asdic_flat_laws *laws,
                                      const asdic_sonar *sonar, asdic_ring_profile *const *profiles,
                                      asdic_ping *ping) {
-    for (size_t b = 0; b < ping->beams; b++) {
-        if (asdic_context_interrupted(ctx)) {
-            return asdic_fail(ctx, ASDIC_ERROR_INTERRUPTED, "interrupted");
-        }
-        compute_beam(laws, sonar, profiles[b], ping, b);
-    }
-    return ASDIC_OK;
+    beams_job j = {ctx, laws, sonar, profiles, ping};
+    asdic_share(asdic_processors(), ping->beams, 1, compute_beams, &j);
+    return asdic_context_interrupted(ctx) ? asdic_fail(ctx, ASDIC_ERROR_INTERRUPTED, "interrupted")
+                                          : ASDIC_OK;
 }
 
 /* What many places share. */

@@ -2,10 +2,14 @@
 
 #include "base/context.h"
 #include "base/hash.h"
+#include "base/share.h"
 #include "base/try.h"
 
 #include <stdlib.h>
 #include <string.h>
+
+/* Beams of a thread, some 15 ms each, between looks at whether to stop. */
+#define BEAMS_PER_STEP 4
 
 /* The rings of all beams of a sonar at one attitude. */
 typedef struct ring_set {
@@ -54,8 +58,26 @@ void asdic_ring_shelf_destroy(asdic_ring_shelf **shelf) {
     }
 }
 
+/* Profiles of some beams, and the first of those in work. */
+typedef struct making {
+    ring_set *set;
+    size_t first;
+} making;
+
+/* Of no memory there is none, and the caller says so: threads share no context's error. */
+static void make_profiles(void *user, unsigned worker, size_t first, size_t end) {
+    const making *m = user;
+    (void)worker;
+    for (size_t i = m->first + first; i < m->first + end; i++) {
+        (void)asdic_ring_profile_create(NULL, &m->set->rings[i], &m->set->profiles[i]);
+    }
+}
+
 static asdic_status fill(asdic_ring_shelf *shelf, const asdic_ring *rings, size_t count,
                          ring_set *set) {
+    unsigned threads = asdic_processors();
+    size_t step = (size_t)threads * BEAMS_PER_STEP;
+    asdic_status status = ASDIC_OK;
     empty(set);
     set->rings = malloc(count * sizeof *rings);
     set->profiles = calloc(count, sizeof *set->profiles);
@@ -65,17 +87,20 @@ static asdic_status fill(asdic_ring_shelf *shelf, const asdic_ring *rings, size_
     }
     memcpy(set->rings, rings, count * sizeof *rings);
     set->count = count;
-    for (size_t i = 0; i < count; i++) {
-        asdic_status status = asdic_step(shelf->ctx, "beams", i, count);
+    for (size_t i = 0; i < count && !status; i += step) {
+        making m = {set, i};
+        status = asdic_step(shelf->ctx, "beams", i, count);
         if (!status) {
-            status = asdic_ring_profile_create(shelf->ctx, &rings[i], &set->profiles[i]);
-        }
-        if (status) {
-            empty(set);
-            return status;
+            asdic_share(threads, count - i < step ? count - i : step, 1, make_profiles, &m);
         }
     }
-    return ASDIC_OK;
+    for (size_t i = 0; i < count && !status; i++) {
+        status = set->profiles[i] ? ASDIC_OK : asdic_fail_memory(shelf->ctx, "profiles of beams");
+    }
+    if (status) {
+        empty(set);
+    }
+    return status;
 }
 
 asdic_status asdic_ring_shelf_take(asdic_ring_shelf *shelf, const asdic_ring *rings, size_t count,

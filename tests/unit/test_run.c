@@ -787,6 +787,39 @@ static void frames_are_of_single_pings(void **state) {
     end(&f);
 }
 
+static void count_profiles(void *user, const char *what, size_t done, size_t total) {
+    size_t *count = user;
+    assert_true(done < total);
+    *count += strcmp(what, "beams") == 0 && done == 0;
+}
+
+/* What a plane returns is a function of depth, altitude, roll and pitch. Profiles of beams, which take most of the time,
+ * are made once for a vehicle that flies level and turns: of 512 beams they took 15 s a ping. */
+static void detection_makes_profiles_once(void **state) {
+    (void)state;
+    fixture f;
+    size_t count = 0;
+    begin(&f);
+    FILE *file = fopen(in_folder("turns.yaml"), "w");
+    fprintf(file,
+            "version: 1\n"
+            "bottom: {depth_m: 12, type: sand}\n"
+            "sonar: {frequency_khz: 100, ping_rate_hz: 2, bin_length_m: 1,\n"
+            "  receivers: [{name: forward}, {name: down, pitch_deg: 45}]}\n"
+            "mission: {waypoints: {speed_mps: 2, points_m: [[0, 0, 5], [9, 0, 5], [9, 9, 5]]}}\n"
+            "output: {images: [], csv: none}\n");
+    fclose(file);
+    asdic_mission_destroy(&f.mission);
+    assert_int_equal(asdic_mission_load(f.ctx, in_folder("turns.yaml"), &f.mission), ASDIC_OK);
+    assert_true(asdic_mission_ping_count(f.mission) > 10);
+    assert_int_equal(run(&f, 1, asdic_run_options_default(), "turns"), ASDIC_OK);
+    asdic_detect_options options = asdic_detect_options_default();
+    asdic_context_set_progress(f.ctx, count_profiles, &count);
+    assert_int_equal(asdic_run_detect(f.ctx, in_folder("turns"), &options, NULL), ASDIC_OK);
+    assert_int_equal(count, 1);
+    end(&f);
+}
+
 /* An argument selects tests by name. */
 int main(int argc, char **argv) {
     const struct CMUnitTest tests[] = {
@@ -812,6 +845,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test(damaged_folders_are_refused),
         cmocka_unit_test(formats_that_a_build_lacks_are_refused),
         cmocka_unit_test(frames_are_of_single_pings),
+        cmocka_unit_test(detection_makes_profiles_once),
     };
     if (argc > 1) {
         cmocka_set_test_filter(argv[1]);

@@ -10,6 +10,7 @@
 #include "detect_truth.h"
 #include "out/file.h"
 #include "out/mcap_recording.h"
+#include "sim/ring_shelf.h"
 
 typedef struct asdic_detect_job {
     asdic_context *ctx;
@@ -26,12 +27,12 @@ typedef struct asdic_detect_job {
     asdic_backdrop *backdrop;           /* NULL: not simulated */
     asdic_backdrop *parts;              /* of coherent pings; else NULL */
     asdic_ping *expected;               /* NULL: background is not flat */
-    asdic_pose expected_pose;           /* for which it was computed */
-    double expected_altitude_m;
-    double *intensity_lin, *noise_lin; /* of the ping, [beam * bins + bin] */
-    double *rest_lin;                  /* expected, without the echoes of objects and ghosts */
-    double *object_lin;                /* those echoes */
-    float *error_db;                   /* of the levels and of their background together */
+    asdic_expected_place place;         /* for which it was computed; depth NAN: none yet */
+    asdic_ring_shelf *shelf;            /* the beams' profiles */
+    double *intensity_lin, *noise_lin;  /* of the ping, [beam * bins + bin] */
+    double *rest_lin;                   /* expected, without the echoes of objects and ghosts */
+    double *object_lin;                 /* those echoes */
+    float *error_db;                    /* of the levels and of their background together */
     asdic_truth *truth;
     long *label; /* object of a bin; -1: none */
     bool *detected;

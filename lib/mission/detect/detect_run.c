@@ -10,6 +10,7 @@
 #include "base/vec.h"
 #include "detect/law.h"
 #include "mission/mission.h"
+#include "sim/expected.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -17,6 +18,8 @@
 
 /* An echo that is weaker than this, re all else in its bin, does not count as one. */
 #define FAINT_LIN 0.01
+/* Attitudes of which the beams' profiles are kept, some 40 kB a beam. */
+#define ATTITUDES 4
 
 asdic_detect_options asdic_detect_options_default(void) {
     return (asdic_detect_options){.cfar = asdic_cfar_default(),
@@ -55,17 +58,18 @@ static void read_truth(asdic_detect_job *job, const asdic_record *record) {
     }
 }
 
-/* What is expected over a plane; the same for pings from one place. */
+/* What is expected over a plane: a function of depth, altitude, roll and pitch alone, the same for pings at which
+ * these are. */
 static asdic_status expect(asdic_detect_job *job, const asdic_record *record) {
-    if (memcmp(&job->expected_pose, &record->pose, sizeof record->pose) == 0 &&
-        job->expected_altitude_m == record->altitude_m) {
+    asdic_expected_place place = {
+        .flat = asdic_run_flat_scene(job->run, record),
+        .pose = {.roll_rad = record->pose.roll_rad, .pitch_rad = record->pose.pitch_rad}};
+    if (asdic_expected_is_near(&place, &job->place, 0.0, 0.0)) {
         return ASDIC_OK;
     }
-    asdic_flat_scene flat = asdic_run_flat_scene(job->run, record);
-    job->expected_pose = record->pose;
-    job->expected_altitude_m = record->altitude_m;
-    return asdic_expected_compute(job->ctx, &flat, job->info.environment, job->info.sonar,
-                                  &record->pose, job->expected);
+    job->place = place;
+    return asdic_expected_compute_among(job->ctx, job->shelf, &place, job->info.environment,
+                                        job->info.sonar, job->expected);
 }
 
 /* The null hypothesis of the run's ping INDEX, and how far the level of a bin may be from it by the
@@ -143,7 +147,7 @@ static asdic_status open_run(asdic_detect_job *job, const char *folder) {
     TRY(asdic_run_open(job->ctx, folder, &job->run));
     job->info = asdic_run_get_info(job->run);
     job->detector = job->options->detector ? *job->options->detector : job->run->settings.detector;
-    job->expected_altitude_m = NAN;
+    job->place.flat.depth_m = NAN;
     if (job->info.pings == 0) {
         return asdic_fail(job->ctx, ASDIC_ERROR_INPUT, "'%s' holds no ping yet", folder);
     }
@@ -220,6 +224,7 @@ static asdic_status choose_background(asdic_detect_job *job) {
         TRY(simulate_background(job));
     } else if (job->background == ASDIC_BACKGROUND_FLAT) {
         TRY(asdic_ping_create(job->ctx, job->info.beams, job->info.bins, &job->expected));
+        TRY(asdic_ring_shelf_create(job->ctx, ATTITUDES, &job->shelf));
     }
     job->report->background = job->background;
     job->report->by_cfar = job->background == ASDIC_BACKGROUND_CFAR;
@@ -274,6 +279,7 @@ static void finish(asdic_detect_job *job) {
     asdic_backdrop_close(&job->backdrop);
     asdic_backdrop_close(&job->parts);
     asdic_ping_destroy(&job->expected);
+    asdic_ring_shelf_destroy(&job->shelf);
     asdic_detect_report_destroy(&job->report);
     asdic_mission_destroy(&job->mission);
     asdic_run_close(&job->run);
