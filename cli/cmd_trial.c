@@ -276,7 +276,7 @@ static int tell(cli *c, const char *folder) {
 static asdic_status fly_on(cli *c, request *r, asdic_device **devices, size_t count) {
     asdic_trial_options *o = &r->options;
     report seen = {.progress = cli_progress_begin(c)};
-    asdic_trial_rule rule = {.decide = trial_programs_decide};
+    asdic_trial_rule rule = {.decide = trial_programs_decide, .name = r->program};
     trial_programs *programs = NULL;
     if (r->program) {
         programs = trial_programs_begin(r->program, count, r->timeout_s);
@@ -299,7 +299,7 @@ static asdic_status fly_on(cli *c, request *r, asdic_device **devices, size_t co
 /* Flies one run again, and simulates its pings into the run folder. */
 static asdic_status replay_on(cli *c, request *r, asdic_device **devices, size_t count) {
     asdic_trial_run flown;
-    asdic_trial_rule rule = {.decide = trial_programs_decide};
+    asdic_trial_rule rule = {.decide = trial_programs_decide, .name = r->program};
     trial_programs *programs = NULL;
     char *scene = NULL;
     if (r->program) {

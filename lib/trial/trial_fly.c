@@ -225,7 +225,7 @@ static asdic_status describe(asdic_context *ctx, const asdic_trial_options *o, t
                            .first = o->first,
                            .count = o->count,
                            .rays = o->rays,
-                           .has_rule = o->rule != NULL,
+                           .rule = o->rule ? strdup(o->rule->name ? o->rule->name : "") : NULL,
                            .variants = o->variants.count,
                            .key = o->variants.key ? strdup(o->variants.key) : NULL};
     int length = name ? (int)asdic_words_cut(name, strlen(name), sizeof facts->scene - 1) : 0;
@@ -304,8 +304,8 @@ static asdic_status read_same(asdic_context *ctx, const asdic_trial_options *o,
     }
     asdic_trial_close(out);
     return asdic_fail(ctx, ASDIC_ERROR_INPUT,
-                      "%s holds another trial: scene or its files, seed, runs, rays or variants "
-                      "differ; --force replaces it",
+                      "%s holds another trial: scene or its files, seed, runs, rays, rule or "
+                      "variants differ; --force replaces it",
                       o->folder);
 }
 

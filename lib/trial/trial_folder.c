@@ -28,6 +28,7 @@ const char *asdic_trial_cause_name(asdic_trial_cause cause) {
 
 void asdic_trial_facts_finish(trial_facts *facts) {
     free(facts->key);
+    free(facts->rule);
     for (size_t i = 0; i < facts->variants; i++) {
         free(facts->values[i]);
     }
@@ -105,7 +106,12 @@ void asdic_trial_print(const trial_facts *f, const asdic_trial_result *results,
         "  \"first\": %llu,\n  \"count\": %llu,\n  \"rays\": %lu,\n  \"rule\": \"%s\",\n",
         f->hash, (unsigned long long)f->seed, (unsigned long long)f->runs,
         (unsigned long long)f->first, (unsigned long long)f->count, (unsigned long)f->rays,
-        f->has_rule ? "program" : "scene");
+        f->rule ? "program" : "scene");
+    if (f->rule) {
+        asdic_text_add(text, "  \"command\": ");
+        asdic_text_add_json(text, f->rule);
+        asdic_text_add(text, ",\n");
+    }
     if (f->key) {
         asdic_text_add(text, "  \"key\": ");
         asdic_text_add_json(text, f->key);
@@ -223,9 +229,13 @@ asdic_status asdic_trial_settle(asdic_context *ctx, const char *folder) {
 
 /* --- under way --------------------------------------------------------------------------------- */
 
+static bool is_same_rule(const char *a, const char *b) {
+    return a && b ? strcmp(a, b) == 0 : a == b;
+}
+
 bool asdic_trial_is_same(const trial_facts *a, const trial_facts *b) {
     return strcmp(a->hash, b->hash) == 0 && a->seed == b->seed && a->runs == b->runs &&
-           a->rays == b->rays && a->has_rule == b->has_rule && a->variants == b->variants;
+           a->rays == b->rays && is_same_rule(a->rule, b->rule) && a->variants == b->variants;
 }
 
 bool asdic_trial_has(const char *folder, const char *name) {

@@ -22,7 +22,7 @@ typedef struct trial_facts {
     size_t variants;
     uint64_t seed, runs, first, count;
     uint32_t rays;
-    bool has_rule; /* of another program */
+    char *rule; /* name of that in place of the scene's; NULL: the scene's */
 } trial_facts;
 
 typedef struct trial_row {

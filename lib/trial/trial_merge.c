@@ -23,7 +23,7 @@ static asdic_status check_parts(asdic_context *ctx, asdic_trial **parts, size_t 
             return asdic_fail(
                 ctx, ASDIC_ERROR_INPUT,
                 "these are parts of different trials: scene or its files, seed, runs, "
-                "rays or variants differ");
+                "rays, rule or variants differ");
         }
         uint64_t end = a->first + a->count, own_end = b->first + b->count;
         if (b->first != end) {

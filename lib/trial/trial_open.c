@@ -147,15 +147,17 @@ static bool take_facts(const asdic_yaml_node *root, trial_facts *f) {
     const asdic_yaml_node *key = asdic_yaml_child(root, "key");
     const asdic_yaml_node *values = asdic_yaml_child(root, "values");
     const asdic_yaml_node *rule = asdic_yaml_child(root, "rule");
+    const asdic_yaml_node *command = asdic_yaml_child(root, "command");
+    bool is_program = rule && rule->text && strcmp(rule->text, "program") == 0;
     *f = (trial_facts){.seed = whole_number(root, "seed"),
                        .runs = whole_number(root, "runs"),
                        .first = whole_number(root, "first"),
                        .count = whole_number(root, "count"),
-                       .rays = (uint32_t)whole_number(root, "rays"),
-                       .has_rule = rule && rule->text && strcmp(rule->text, "program") == 0};
+                       .rays = (uint32_t)whole_number(root, "rays")};
     copy_text(root, "scene", f->scene, sizeof f->scene);
     copy_text(root, "hash", f->hash, sizeof f->hash);
     f->key = key && key->text ? strdup(key->text) : NULL;
+    f->rule = is_program ? strdup(command && command->text ? command->text : "") : NULL;
     f->variants = key ? 0 : 1;
     for (const asdic_yaml_node *v = values ? values->first : NULL;
          key && v && f->variants < ASDIC_TRIAL_MOST_VARIANTS; v = v->next) {

@@ -629,13 +629,14 @@ def test_a_scene_edited_meanwhile_is_not_flown_on():
         folder.write("rule.py", f"""
 import sys
 for line in sys.stdin:
-    with open({path!r}, "w", encoding="ascii") as file:
-        file.write({text!r}.replace("time_s: 3", sys.argv[1]))
+    with open({folder / "then.yaml"!r}, encoding="ascii") as then, open({path!r}, "w", encoding="ascii") as file:
+        file.write(then.read())
     print("{{}}", flush=True)
 """)
         def command(then, out):
+            folder.write("then.yaml", text.replace("time_s: 3", then))
             return ("trial", path, "--runs", 3, "--workers", 1, "-o", folder / out, "--rule",
-                    f"exec {sys.executable} {folder / 'rule.py'} '{then}'")
+                    f"exec {sys.executable} {folder / 'rule.py'}")
         done = asdic(*command("time_s: 2", "out")).check(code=3)
         tap.contains(done.err, "wall.yaml has changed since its trial began")
         tap.equal(len(data(folder, "out", "trial.part.csv").splitlines()), 2)
@@ -677,6 +678,27 @@ def test_a_rule_of_another_program():
         with_rule(folder, 'print(json.dumps({"yaw_deg": 150} if ping["ping"] >= 10 else {}))')
         for row in rows(folder):
             tap.equal((row["manoeuvres"], row["needless"], row["outcome"]), ("1", "1", "late"))
+
+
+def test_another_rule_is_another_trial():
+    """Also that of another program, or of one with other arguments: what it flew is not another's rest, nor its part."""
+    program.need_device()
+    with Folder() as folder:
+        rule = f"exec {sys.executable} -u {folder.write('rule.py', RULE.replace('ACT', 'print(json.dumps({}))'))}"
+        scene = folder.write("wall.yaml", WALL.replace("time_s: 45", "time_s: 2"))
+
+        def command(*options):
+            return asdic("trial", scene, "--runs", 2, *options)
+
+        command("--rule", f"{rule} a", "-o", folder / "out").check(code=0)
+        tap.equal(json.loads(folder.read("out/trial.json"))["command"], f"{rule} a")
+        command("--rule", f"{rule} a", "-o", folder / "out", "--resume").check(code=0)
+        for options in ("--rule", f"{rule} b"), ():
+            tap.contains(command(*options, "-o", folder / "out", "--resume").check(code=3).err, "holds another trial")
+        for k in "12":
+            command("--rule", f"{rule} {k}", "--shard", f"{k}/2", "-o", folder / k).check(code=0)
+        tap.contains(asdic("merge", folder / "1", folder / "2", "-o", folder / "all").check(code=3).err,
+                     "parts of different trials")
 
 
 # What docs/trials.md says of the rule, from what a program is told.

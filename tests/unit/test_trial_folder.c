@@ -26,10 +26,11 @@
 
 static char folder[] = "/tmp/asdic-trial-folder-XXXXXX";
 
-static const char facts[] = "{\n  \"scene\": \"reef\",\n  \"hash\": \"c0ffee\",\n  \"seed\": 11,\n"
-                            "  \"runs\": 40,\n  \"first\": 7,\n  \"count\": 4,\n  \"rays\": 2048,\n"
-                            "  \"rule\": \"program\",\n  \"key\": \"sonar.beam\",\n"
-                            "  \"values\": [\"a\", \"b\"],\n  \"variants\": [\n";
+static const char facts[] =
+    "{\n  \"scene\": \"reef\",\n  \"hash\": \"c0ffee\",\n  \"seed\": 11,\n"
+    "  \"runs\": 40,\n  \"first\": 7,\n  \"count\": 4,\n  \"rays\": 2048,\n"
+    "  \"rule\": \"program\",\n  \"command\": \"rule.py --quick\",\n  \"key\": \"sonar.beam\",\n"
+    "  \"values\": [\"a\", \"b\"],\n  \"variants\": [\n";
 static const char header[] = "run,variant,outcome,cause,what,time_s,distance_m,pings,clearance_m,"
                              "manoeuvres,needless,seen_m,depth_m\n";
 /* Two variants of runs 7 to 10; behind the last field that is read, a draw. */
@@ -106,7 +107,7 @@ static void facts_are_read(void **state) {
     assert_int_equal(f->first, 7);
     assert_int_equal(f->count, 4);
     assert_int_equal(f->rays, 2048);
-    assert_true(f->has_rule);
+    assert_string_equal(f->rule, "rule.py --quick");
     assert_int_equal(asdic_trial_variant_count(t), 2);
     assert_string_equal(asdic_trial_variant_name(t, 0), "sonar.beam = a");
     assert_string_equal(asdic_trial_variant_name(t, 1), "sonar.beam = b");
@@ -484,17 +485,19 @@ static void parts_of_one_trial(void **state) {
     b->facts.first++;
     b->facts.count++;
     assert_true(asdic_trial_is_same(&a->facts, &b->facts));
-    trial_facts other[6];
-    for (int i = 0; i < 6; i++) {
+    trial_facts other[7];
+    char rule[] = "rule.py --slow";
+    for (int i = 0; i < 7; i++) {
         other[i] = a->facts;
     }
     other[0].hash[0]++;
     other[1].seed++;
     other[2].runs++;
     other[3].rays++;
-    other[4].has_rule = false;
+    other[4].rule = NULL;
     other[5].variants--;
-    for (int i = 0; i < 6; i++) {
+    other[6].rule = rule;
+    for (int i = 0; i < 7; i++) {
         assert_false(asdic_trial_is_same(&a->facts, &other[i]));
     }
     asdic_trial_close(&a);

@@ -72,6 +72,7 @@ typedef struct asdic_trial_rule {
     bool (*decide)(void *user, const asdic_trial_look *look, asdic_trial_order *order,
                    char why[ASDIC_TRIAL_WHY]);
     void *user;
+    const char *name; /* kept with the trial: what is resumed or merged has one name; NULL: none */
 } asdic_trial_rule;
 
 /* A scene flown with a value of one of its keys in place of what it says; KEY NULL: as it is. */
