@@ -12,6 +12,7 @@
 #include "detect/roc_curve.h"
 #include "detect_background.h"
 #include "mission/mission.h"
+#include "mission/run/run_summary.h"
 #include "scene/scene.h"
 #include "sim/eigenray.h"
 #include "sim/pulse.h"
@@ -341,19 +342,11 @@ static asdic_status bins_of_object(scene_job *job, size_t *first, size_t *end) {
 static asdic_status choose_beams(const scene_job *job, size_t *first, size_t *end) {
     *first = 0;
     *end = job->beams;
-    for (size_t b = 0; job->options->beam && b < job->beams; b++) {
-        if (strcmp(job->sonar.receivers[b].name, job->options->beam) == 0) {
-            *first = b;
-            *end = b + 1;
-            return ASDIC_OK;
-        }
+    if (job->options->beam) {
+        TRY(asdic_find_beam(job->ctx, &job->sonar, job->options->beam, first));
+        *end = *first + 1;
     }
-    const asdic_beam *all = job->sonar.receivers;
-    return job->options->beam
-               ? asdic_fail(job->ctx, ASDIC_ERROR_ARGUMENT,
-                            "the sonar has no beam '%s'; there are '%s' to '%s'",
-                            job->options->beam, all[0].name, all[job->beams - 1].name)
-               : ASDIC_OK;
+    return ASDIC_OK;
 }
 
 /* The bins in which the target may be. */

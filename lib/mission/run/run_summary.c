@@ -32,20 +32,25 @@ static size_t ahead(const asdic_sonar *sonar) {
     return best;
 }
 
+asdic_status asdic_find_beam(asdic_context *ctx, const asdic_sonar *sonar, const char *name,
+                             size_t *beam) {
+    for (*beam = 0; *beam < sonar->receiver_count; ++*beam) {
+        if (strcmp(sonar->receivers[*beam].name, name) == 0) {
+            return ASDIC_OK;
+        }
+    }
+    return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                      "the sonar has no beam '%s'; there are '%s' to '%s'", name,
+                      sonar->receivers[0].name, sonar->receivers[sonar->receiver_count - 1].name);
+}
+
 asdic_status asdic_summary_choose_beams(asdic_context *ctx, const char *name,
                                         asdic_summary_plan *plan) {
     const asdic_sonar *sonar = plan->sonar;
     plan->beam_count = 0;
-    for (size_t i = 0; name && i < sonar->receiver_count; i++) {
-        if (strcmp(sonar->receivers[i].name, name) == 0) {
-            plan->beams[plan->beam_count++] = i;
-            return ASDIC_OK;
-        }
-    }
     if (name) {
-        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "no beam '%s'; there are '%s' to '%s'", name,
-                          sonar->receivers[0].name,
-                          sonar->receivers[sonar->receiver_count - 1].name);
+        plan->beam_count = 1;
+        return asdic_find_beam(ctx, sonar, name, &plan->beams[0]);
     }
     if (sonar->receiver_count > ASDIC_SUMMARY_BEAMS) {
         plan->beams[plan->beam_count++] = ahead(sonar);
