@@ -682,6 +682,17 @@ def test_echoes_are_named_after_the_stronger_point():
         tap.equal(named(folder, louder), {"astern"}, "by 50 dB")
 
 
+def test_echoes_are_named_by_where_they_are_heard():
+    """Where rays bend that is 4.6 m behind where the near one of two is, 314.7 m off, and nearer to the far one."""
+    need_device()
+    with Folder() as folder:
+        deep = POINTS.replace("[20, 12, 50]", "[300, 0, 100]").replace("[-23.3238, 0, 50]", "[305, 0, 100]")
+        deep = deep.replace("[0, 0, 50]", "[0, 0, 5]").replace("sonar:", "sonar:\n  ping_rate_hz: 2")
+        water = "environment: {sound_speed_mps: 1500, sound_speed_gradient_per_s: -0.5}\n"
+        deep = water + deep.replace("source_level_db: 200", "source_level_db: 220")
+        tap.equal(named(folder, deep.replace("{name: f}", "{name: f, pitch_deg: 18}")), {"ahead", "astern"})
+
+
 def test_a_map_reaches_as_far_as_a_steep_beam_hears():
     """80 degrees down and 56 tall: heard up to 0.75 heights above its axis, 38 degrees down."""
     need_device()

@@ -166,6 +166,27 @@ sampling: {{rays: 4000}}
                 tap.equal(curve["snr_db"] is None or curve["snr_db"] < -10, True, f"{curve['snr_db']}")
 
 
+def test_an_object_is_found_where_bent_rays_are_heard():
+    """In water in which sound slows down by 0.5 m/s a metre it takes arcosh(1 + d^2 / 8 c1 c2) / 0.5 s over the distance
+    d, by which an object 315 m off is heard 4.6 m behind that: outside its box, where nothing was found before."""
+    need_device()
+    with Folder() as folder:
+        folder.write("deep.yaml", """version: 1
+environment: {sound_speed_mps: 1500, sound_speed_gradient_per_s: -0.5}
+bottom: {depth_m: 150, type: mud}
+objects: [{name: p, point: 0, position_m: [300, 0, 100]}]
+sonar: {frequency_khz: 50, ping_rate_hz: 2, source_level_db: 220, bin_length_m: 0.25, receivers: [{name: a, pitch_deg: 18}]}
+mission: {pose: {position_m: [0, 0, 5]}}
+sampling: {rays: 4000}
+""")
+        done = asdic("roc", "deep.yaml", "--trials", 1000, "-o", "out", "--json", "-q", cwd=folder.path)
+        curve, = json.loads(done.check(0).out)
+        here, there = 1500 - 0.5 * 5, 1500 - 0.5 * 100
+        time_s = math.acosh(1 + 0.25 * (300 ** 2 + 95 ** 2) / (2 * here * there)) / 0.5
+        tap.equal(abs(curve["range_m"] - here * time_s) <= 0.25, True, f"{curve['range_m']}, not {here * time_s} m")
+        tap.equal(curve["snr_db"] is not None and curve["snr_db"] > 10, True, f"{curve['snr_db']} dB")
+
+
 def test_a_pulse_spreads_its_echo():
     """Of 0.75 m over bins of 0.1 m: a point of the scene is one of its range and strength."""
     need_device()

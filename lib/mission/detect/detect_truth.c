@@ -1,5 +1,7 @@
 #include "detect_truth.h"
 
+#include "heard_range.h"
+
 #include "base/context.h"
 #include "base/try.h"
 #include "base/vec.h"
@@ -30,6 +32,7 @@ typedef struct named {
     char name[ASDIC_NAME_SIZE];
     size_t object, part; /* index in the mission; in its scene, SIZE_MAX for a point */
     double point_m2;     /* of a point: what a sonar sees of a rigid sphere as strong */
+    asdic_vec3 middle_m; /* of its pieces */
     share *shares;       /* per bin */
     piece *pieces;
     size_t piece_count;
@@ -40,7 +43,8 @@ struct asdic_namer {
     const asdic_mission *mission; /* NULL: a single name */
     named *names;
     size_t count;
-    asdic_pose pose;        /* of the ping */
+    asdic_pose pose; /* of the ping */
+    asdic_heard_water heard;
     asdic_face transmitter; /* its faces */
     asdic_face *receivers;
     const int16_t *objects; /* of the ping's bins, where the run has truth; else NULL */
@@ -116,6 +120,10 @@ static asdic_status cut_object(const asdic_namer *namer, named *n) {
                 (piece){place_in(v, n->piece_count), asdic_vec3_scale(area, each_m2 / own)};
         }
     }
+    for (size_t i = 0; i < n->piece_count; i++) {
+        asdic_vec3 part_m = asdic_vec3_scale(n->pieces[i].at_m, 1.0 / (double)n->piece_count);
+        n->middle_m = asdic_vec3_add(n->middle_m, part_m);
+    }
     return ASDIC_OK;
 }
 
@@ -137,20 +145,33 @@ static asdic_vec3 turned(const motion *m, asdic_vec3 v) {
     return asdic_mat3_apply(m->after, asdic_mat3_apply_inverse(m->before, v));
 }
 
-/* Adds the object's pieces to the bins in which they are at PING. */
+static asdic_vec3 moved(const motion *m, asdic_vec3 at_m) {
+    return asdic_vec3_add(turned(m, asdic_vec3_sub(at_m, m->from_m)), m->to_m);
+}
+
+/* By how much farther than it is an object is heard: its middle, since a ray to each piece takes long. */
+static double stretch(const asdic_namer *namer, asdic_vec3 middle_m) {
+    asdic_vec3 to = asdic_vec3_sub(middle_m, namer->pose.position_m);
+    double far_m = asdic_vec3_length(to);
+    return far_m > 0.0 ? asdic_heard_range_m(&namer->heard, to) / far_m : 1.0;
+}
+
+/* Adds the object's pieces to the bins in which they are heard at PING. */
 static void place(const asdic_namer *namer, named *n, size_t ping) {
     const asdic_run_facts *facts = &namer->run->facts;
     bool moves = asdic_mission_get_object(namer->mission, n->object)->moves;
     motion m = motion_of(namer, n, ping);
+    double times = stretch(namer, moves ? moved(&m, n->middle_m) : n->middle_m);
     memset(n->shares, 0, facts->bins * sizeof *n->shares);
     for (size_t i = 0; i < n->piece_count; i++) {
         piece p = n->pieces[i];
         if (moves) {
-            p.at_m = asdic_vec3_add(turned(&m, asdic_vec3_sub(p.at_m, m.from_m)), m.to_m);
+            p.at_m = moved(&m, p.at_m);
             p.area_m2 = turned(&m, p.area_m2);
         }
         asdic_vec3 to = asdic_vec3_sub(p.at_m, namer->pose.position_m);
-        double range = fmax(asdic_vec3_length(to), 1e-6), bin = range / facts->bin_length_m;
+        double range = fmax(asdic_vec3_length(to), 1e-6);
+        double bin = times * range / facts->bin_length_m;
         if (bin < (double)facts->bins) {
             share *s = &n->shares[(size_t)bin];
             double seen = fabs(asdic_vec3_dot(p.area_m2, to)) / range; /* as the sonar sees it */
@@ -286,6 +307,8 @@ asdic_status asdic_namer_begin_ping(asdic_namer *namer, const asdic_record *reco
                                                             record->pose.position_m.z) /
                           sonar->frequency_hz;
     namer->pose = record->pose;
+    namer->heard = asdic_heard_water_of(&namer->run->settings.environment, namer->mission->scene,
+                                        record->pose.position_m.z);
     namer->transmitter = asdic_face_aim(&sonar->transmitter, &record->pose, wavelength_m);
     for (size_t b = 0; b < sonar->receiver_count; b++) {
         namer->receivers[b] = asdic_face_aim(&sonar->receivers[b], &record->pose, wavelength_m);

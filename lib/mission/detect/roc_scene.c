@@ -11,6 +11,7 @@
 #include "base/vec.h"
 #include "detect/roc_curve.h"
 #include "detect_background.h"
+#include "heard_range.h"
 #include "mission/mission.h"
 #include "mission/run/run_summary.h"
 #include "scene/scene.h"
@@ -45,7 +46,7 @@ typedef struct scene_job {
     const asdic_roc_options *options;
     asdic_sonar sonar; /* with speckle */
     asdic_water_column water;
-    asdic_layers layers; /* where rays bend */
+    asdic_heard_water heard;
     asdic_pose pose;
     extent target;
     size_t object; /* in the mission, where one is asked for */
@@ -211,19 +212,18 @@ static double gain_lin(const scene_job *job, size_t beam, asdic_vec3 u) {
 /* What comes back to BEAM of a source of 1 at 1 m from a point of 0 dB at RANGE_M in the direction U, by the rays that
  * bend there: by the loudest, and none in their shadow. */
 static double bent_echo_lin(const scene_job *job, size_t beam, double range_m, asdic_vec3 u) {
-    const asdic_scene *scene = job->mission->scene;
+    const asdic_layers *layers = &job->heard.layers;
     double z = job->pose.position_m.z, level = hypot(u.x, u.y), loudest = 0.0;
-    double top = scene->has_surface ? 0.0 : -INFINITY;
-    double bottom = scene->has_bottom_plane ? scene->bottom_plane_depth_m : INFINITY;
     asdic_eigenray rays[ASDIC_MOST_EIGENRAYS];
-    size_t count = asdic_eigenrays_find(&job->layers, z, z + range_m * u.z, range_m * level, rays);
+    size_t count = asdic_eigenrays_find(layers, z, z + range_m * u.z, range_m * level, rays);
     for (size_t i = 0; i < count; i++) {
         double way_m = job->water.sound_speed_mps * rays[i].end.time_s;
         double spread = asdic_bent_ray_limited_m2(&rays[i].end, way_m);
         double cosine = cos(rays[i].elevation_rad) / level;
         asdic_vec3 leaves = {cosine * u.x, cosine * u.y, sin(rays[i].elevation_rad)};
         double loss = exp(-2.0 * job->water.absorption_np_per_m * (rays[i].end.length_m - 1.0));
-        if (asdic_eigenray_keeps_between(&job->layers, z, range_m * level, &rays[i], top, bottom)) {
+        if (asdic_eigenray_keeps_between(layers, z, range_m * level, &rays[i], job->heard.top_m,
+                                         job->heard.bottom_m)) {
             loudest = fmax(loudest, gain_lin(job, beam, leaves) * loss / (spread * spread));
         }
     }
@@ -243,7 +243,7 @@ static double echo_lin(const scene_job *job, size_t beam, double range_m) {
         return 0.0;
     }
     size_t bin = (size_t)(range_m / sonar->bin_length_m);
-    bool bends = asdic_environment_bends(env) && hypot(u.x, u.y) > 0.0;
+    bool bends = job->heard.bends && hypot(u.x, u.y) > 0.0;
     double back =
         bends ? bent_echo_lin(job, beam, range_m, u)
               : gain_lin(job, beam, u) * ray_transmission(job->water.absorption_np_per_m, range_m);
@@ -317,19 +317,33 @@ static void box_of_object(const scene_job *job, const asdic_mission_object *o, a
     }
 }
 
-/* The range bins between which the object lies, by its box, and where it is. */
+/* The ranges between which what lies between the corners LOW and HIGH is heard: those of its near and its far side, at
+ * its top, its foot, and level with the sonar. */
+static void hear_box(const scene_job *job, asdic_vec3 low, asdic_vec3 high, double *near_m,
+                     double *far_m) {
+    double across_m[2] = {hypot(fmax(fmax(low.x, -high.x), 0.0), fmax(fmax(low.y, -high.y), 0.0)),
+                          hypot(fmax(fabs(low.x), fabs(high.x)), fmax(fabs(low.y), fabs(high.y)))};
+    double down_m[3] = {low.z, high.z, within(0.0, low.z, high.z)};
+    *near_m = INFINITY;
+    *far_m = 0.0;
+    for (int i = 0; i < 6; i++) {
+        double range_m =
+            asdic_heard_range_m(&job->heard, (asdic_vec3){across_m[i % 2], 0.0, down_m[i / 2]});
+        *near_m = fmin(*near_m, range_m);
+        *far_m = fmax(*far_m, range_m);
+    }
+}
+
+/* The range bins between which the object is heard, by its box, and where it is. */
 static asdic_status bins_of_object(scene_job *job, size_t *first, size_t *end) {
     const asdic_mission_object *o = &job->mission->objects[job->object];
     double bin_m = job->sonar.bin_length_m;
     asdic_vec3 low, high;
+    double near_m, far_m;
     box_of_object(job, o, &low, &high);
-    asdic_vec3 near = {fmax(fmax(low.x, -high.x), 0.0), fmax(fmax(low.y, -high.y), 0.0),
-                       fmax(fmax(low.z, -high.z), 0.0)};
-    asdic_vec3 far = {fmax(fabs(low.x), fabs(high.x)), fmax(fabs(low.y), fabs(high.y)),
-                      fmax(fabs(low.z), fabs(high.z))};
+    hear_box(job, low, high, &near_m, &far_m);
     job->target = extent_of(job, low, high);
-    double begin = floor(asdic_vec3_length(near) / bin_m) - 1.0;
-    double last = ceil(asdic_vec3_length(far) / bin_m) + 1.0;
+    double begin = floor(near_m / bin_m) - 1.0, last = ceil(far_m / bin_m) + 1.0;
     *first = (size_t)fmin(fmax(begin, 0.0), (double)job->bins);
     *end = (size_t)fmin(last, (double)job->bins);
     return *first < *end ? ASDIC_OK
@@ -527,7 +541,8 @@ asdic_status asdic_roc_compute(asdic_context *ctx, const asdic_mission *mission,
     }
     job.water =
         asdic_water_column_at(&mission->settings.environment, &job.sonar, job.pose.position_m.z);
-    asdic_layers_of(&mission->settings.environment, job.pose.position_m.z, &job.layers);
+    job.heard =
+        asdic_heard_water_of(&mission->settings.environment, mission->scene, job.pose.position_m.z);
     asdic_roc *roc = calloc(1, sizeof *roc);
     asdic_status status = roc ? compute(&job, device, roc) : asdic_fail_memory(ctx, "a curve");
     if (status) {
