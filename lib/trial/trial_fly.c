@@ -191,26 +191,34 @@ static asdic_status work_all(fleet *f) {
 
 /* --- what is flown ----------------------------------------------------------------------------- */
 
-/* A detector that compares with what is expected over a plane takes for targets what planes mirror;
- * one that compares with neighbours, more of K speckle than P_FA says. */
-static void warn_of_background(asdic_context *ctx, const asdic_mission *m) {
+/* What makes figures other than they seem; of several variants each is told once. */
+enum { MEANS, SPIKES, MIRRORS, WARNINGS };
+
+static void warn(asdic_context *ctx, bool is_wrong, bool *told, const char *words) {
+    if (is_wrong && !*told) {
+        asdic_log(ctx, ASDIC_LOG_WARNING, "%s", words);
+        *told = true;
+    }
+}
+
+static void warn_of(asdic_context *ctx, const asdic_mission *m, bool told[WARNINGS]) {
     asdic_scene_info scene = asdic_scene_get_info(m->scene);
+    const asdic_settings *s = &m->settings;
     bool has_mirror = scene.has_surface || scene.has_bottom_plane;
     bool is_flat = asdic_eye_background(m) == ASDIC_TRIAL_FLAT;
-    if (m->trial.is_ideal) {
-        return;
-    }
-    if (!is_flat && m->settings.sonar.speckle == ASDIC_SPECKLE_K &&
-        isnan(m->settings.detector.cost_ratio)) {
-        asdic_log(ctx, ASDIC_LOG_WARNING,
-                  "the trial's thresholds are those of CFAR in Rayleigh speckle; K speckle exceeds "
-                  "them more often than P_FA says");
-    }
-    if (has_mirror && is_flat && m->settings.sampling.multipath == ASDIC_MULTIPATH_BOUNDARIES) {
-        asdic_log(ctx, ASDIC_LOG_WARNING,
-                  "the trial's detector expects no echoes that surface and bottom mirror "
-                  "('multipath: boundaries') and takes them for targets");
-    }
+    warn(ctx, s->sonar.speckle == ASDIC_SPECKLE_NONE && !s->sampling.coherent, &told[MEANS],
+         "the trial's scene has 'speckle: none': levels are means, of which none is a false alarm "
+         "by "
+         "chance; 'speckle: rayleigh' draws them");
+    warn(
+        ctx, !is_flat && s->sonar.speckle == ASDIC_SPECKLE_K && isnan(s->detector.cost_ratio),
+        &told[SPIKES],
+        "the trial's thresholds are those of CFAR in Rayleigh speckle; K speckle exceeds them more "
+        "often than P_FA says");
+    warn(ctx, has_mirror && is_flat && s->sampling.multipath == ASDIC_MULTIPATH_BOUNDARIES,
+         &told[MIRRORS],
+         "the trial's detector expects no echoes that surface and bottom mirror ('multipath: "
+         "boundaries') and takes them for targets");
 }
 
 /* The hash of each variant: of its run 0, with what that includes, and of its section `trial`; and of all files
@@ -218,6 +226,7 @@ static void warn_of_background(asdic_context *ctx, const asdic_mission *m) {
 static asdic_status describe(asdic_context *ctx, const asdic_trial_options *o, trial_facts *facts,
                              asdic_text *header, bool *is_ideal, char scene_hash[65]) {
     asdic_text all = {0};
+    bool told[WARNINGS] = {false};
     char *name = asdic_scene_name(o->scene);
     asdic_status status = name ? ASDIC_OK : asdic_fail_memory(ctx, "a name");
     *facts = (trial_facts){.seed = o->seed,
@@ -239,12 +248,15 @@ static asdic_status describe(asdic_context *ctx, const asdic_trial_options *o, t
         status = asdic_trial_load(ctx, o, 0, v, NULL, &mission);
         if (!status) {
             const asdic_trial_plan *plan = &mission->trial;
-            *is_ideal = plan->is_ideal && !o->rule && (v == 0 || *is_ideal);
+            bool is_blind = plan->is_ideal && !o->rule;
+            *is_ideal = is_blind && (v == 0 || *is_ideal);
             asdic_text_format(&all, "%s %s %s %s\n", asdic_mission_hash(mission),
                               mission->trial_hash, key, value);
+            if (!is_blind) {
+                warn_of(ctx, mission, told);
+            }
             if (v == 0) {
                 memcpy(scene_hash, mission->file_hash, sizeof mission->file_hash);
-                warn_of_background(ctx, mission);
                 asdic_trial_print_header(mission, header);
             }
         }

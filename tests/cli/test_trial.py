@@ -552,6 +552,21 @@ def test_detectors_without_mirrors_are_told_of():
             tap.equal(done.err.count("K speckle exceeds them more often"), warns, done.err)
 
 
+def test_means_are_told_of():
+    """Levels without speckle have no false alarms: in whichever design, once; not where none is simulated."""
+    program.need_device()
+    quick = WALL.replace("time_s: 45", "time_s: 1")
+    means = quick.replace("  speckle: rayleigh\n", "")
+    rule = f"exec {sys.executable} -u -c 'for line in __import__(\"sys\").stdin: print(\"{{}}\")'"
+    with Folder() as folder:
+        for text, options, warns in ((quick, (), 0), (means, (), 1), (means + "  ideal: {pd: 0.5}\n", (), 0),
+                                     (means + "  ideal: {pd: 0.5}\n", ("--rule", rule), 1),
+                                     (quick, ("--vary", "sonar.speckle=rayleigh,none,none"), 1)):
+            path = folder.write("wall.yaml", text)
+            done = asdic("trial", path, "--runs", 1, *options, "-o", folder / "out", "-f").check(code=0)
+            tap.equal(done.err.count("of which none is a false alarm"), warns, done.err)
+
+
 def test_rays_of_its_own_choice():
     """As few as leave no rough pings: 4,096 for one wide beam, more for a fan of narrow beams and short bins."""
     program.need_device()
