@@ -411,6 +411,34 @@ static void a_row(void **state) {
     }
 }
 
+/* On the loud side of a step up of 60 dB half of a window is quiet: what is left decides as its own half would, CA with
+ * (1 + t)^-8 where it was to be (1 + t)^-16. */
+static void a_step_up_is_exceeded(void **state) {
+    (void)state;
+    enum { PERIOD = 40, STEPS = 4000, BINS = PERIOD * STEPS };
+    const double pfa = 1e-2;
+    static double z[BINS], background[BINS], threshold[BINS];
+    asdic_background b = {1.0, 1, INFINITY, 0.0};
+    asdic_detect_draw(&b, ASDIC_TARGET_SWERLING1, 0.0, 5, 0, BINS, z);
+    for (size_t i = 0; i < BINS; i++) {
+        z[i] *= i % PERIOD < PERIOD / 2 ? 1e-6 : 1.0;
+    }
+    for (int kind = 0; kind < 2; kind++) {
+        double factor;
+        uint64_t events = 0;
+        asdic_cfar cfar = asdic_cfar_default();
+        cfar.kind = (asdic_cfar_kind)kind;
+        assert_ok(ctx, asdic_cfar_factor(ctx, cfar.kind, 16, 12, 1, pfa, &factor));
+        assert_ok(ctx, asdic_cfar_row(ctx, &cfar, 1, pfa, z, BINS, background, threshold));
+        for (size_t i = PERIOD / 2; i < BINS; i += PERIOD) {
+            events += z[i] > threshold[i];
+        }
+        double expected =
+            kind == ASDIC_CFAR_CA ? sqrt(pfa) : asdic_cfar_pfa(cfar.kind, 8, 4, 1, factor);
+        assert_inside("P_FA beside a step", expected, asdic_estimate_of(events, STEPS));
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(rates_are_as_designed),
@@ -426,6 +454,7 @@ int main(void) {
         cmocka_unit_test(bins_apart_are_neighbours),
         cmocka_unit_test(arguments_have_limits),
         cmocka_unit_test(a_row),
+        cmocka_unit_test(a_step_up_is_exceeded),
     };
     return cmocka_run_group_tests(tests, context_begin, context_end);
 }
