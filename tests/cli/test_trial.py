@@ -214,6 +214,52 @@ sonar:"""
         tap.equal(yaws_deg[-1] % 360 > 200, True, f"{yaws_deg}")
 
 
+def turn_at(x_m):
+    """How far before the wall's front the hull is when a turn by 150 degrees that begins at X_M meets it, and how far it
+    got to the side: None where it does not meet it. By the equations of farthest_x_m."""
+    yaw = rate = y_m = 0.0
+    step, begin_m = 1e-4, x_m
+    while yaw < 0.6 * math.pi:
+        wanted = min((math.radians(150) - yaw) / (4 * RESPONSE), SPEED / RADIUS)
+        rate += step * (wanted - rate) / RESPONSE
+        yaw += step * rate
+        x_m += step * SPEED * math.cos(yaw)
+        y_m += step * SPEED * math.sin(yaw)
+        if x_m >= FRONT - HULL:
+            return math.hypot(x_m - begin_m, y_m)
+    return None
+
+
+def test_causes_are_told_apart():
+    """With a ping every 15 m the wall is first seen 3.8 m before it, where a turn at the reach of 15 m, a ping before,
+    would have cleared it; with one every 1.5 m and a reach of 5 m nothing helps. How far off the manoeuvre began is how
+    far the vehicle came from there."""
+    for rate_hz, reach_m, begin_m, from_m, cause in ((0.1, 15, 55, 40, "seen late"), (1, 5, 54, 52.5, "could not turn")):
+        tap.equal(turn_at(from_m) is None, cause == "seen late", f"by the equations: {cause}")
+        with Folder() as folder:
+            scene = IDEAL.replace("PD", "1, pfa: 0").replace("ping_rate_hz: 1", f"ping_rate_hz: {rate_hz}").replace(
+                "reach_m: 20", f"reach_m: {reach_m}").replace("[[0, 0, 10]", "[[10, 0, 10]" if rate_hz < 1 else "[[30, 0, 10]")
+            found, = fly(folder, folder.write("late.yaml", scene.replace("depth_m: 20", "depth_m: 200")), 1)
+            row, = rows(folder)
+            tap.equal((row["outcome"], row["cause"], found[cause]), ("hit", cause, 1), f"{row}")
+            off_m = float(row["seen_m"]) - turn_at(begin_m)
+            tap.equal(-0.01 < off_m < 0.1 * SPEED, True, f"{off_m} m: {row}")  # to a step of 0.1 s
+
+
+def test_a_ratio_of_losses_is_a_posterior():
+    """To give way for nothing loses 1, to hold on to something L: it is given way from p L = 1 - p on, and seldom later."""
+    program.need_device()
+    with Folder() as folder:
+        scene = EMPTY.replace("pfa: 1.0e-3", "pfa: 0.05")
+        tables = []
+        for words in "posterior: 0.2", "loss_ratio: 4", "loss_ratio: 0.25":
+            fly(folder, folder.write("loss.yaml", scene.replace("posterior: 0", words)), 12)
+            tables.append(rows(folder))
+        tap.equal(tables[1], tables[0])
+        gave_way = [sum(row["manoeuvres"] != "0" for row in table) for table in tables[1:]]
+        tap.equal(0 < gave_way[0] > gave_way[1], True, f"{gave_way} of 12 runs")
+
+
 def test_a_climb_does_not_dive():
     """Not even near the surface: from 0.2 m there is nowhere to climb to, from 2 m half a metre is left."""
     for z_m, least_m in ((0.2, 0.2), (2, 0.5)):
