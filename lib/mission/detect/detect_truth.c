@@ -63,10 +63,25 @@ static void read_triangle(const asdic_scene *scene, size_t index, asdic_vec3 v[3
         asdic_vec3_cross(asdic_vec3_sub(v[1], v[0]), asdic_vec3_sub(v[2], v[0])), 0.5);
 }
 
-static double area_of(const asdic_scene *scene, size_t part) {
+/* Where the triangles of a part are; those of others may lie between. */
+typedef struct span {
+    size_t first, end;
+} span;
+
+/* Of each part; NULL: no memory. */
+static span *find_spans(const asdic_scene *scene) {
+    span *spans = calloc(scene->part_count + 1, sizeof *spans);
+    for (size_t i = scene->triangle_count; i > 0 && spans; i--) {
+        span *s = &spans[scene->triangles[i - 1].part];
+        *s = (span){i - 1, s->end ? s->end : i};
+    }
+    return spans;
+}
+
+static double area_of(const asdic_scene *scene, size_t part, span at) {
     double sum = 0.0;
     asdic_vec3 v[3], area;
-    for (size_t i = 0; i < scene->triangle_count; i++) {
+    for (size_t i = at.first; i < at.end; i++) {
         if (scene->triangles[i].part == part) {
             read_triangle(scene, i, v, &area);
             sum += asdic_vec3_length(area);
@@ -94,10 +109,10 @@ static asdic_vec3 place_in(const asdic_vec3 v[3], size_t index) {
                           asdic_vec3_add(a, asdic_vec3_scale(asdic_vec3_sub(v[2], v[0]), at[1])));
 }
 
-/* Fills the pieces of an object, once for all pings: a point has one. */
-static asdic_status cut_object(const asdic_namer *namer, named *n) {
+/* Fills the pieces of an object, whose triangles are AT, once for all pings: a point has one. */
+static asdic_status cut_object(const asdic_namer *namer, named *n, span at) {
     const asdic_scene *scene = namer->mission->scene;
-    double bin_m = namer->run->facts.bin_length_m, area_m2 = area_of(scene, n->part);
+    double bin_m = namer->run->facts.bin_length_m, area_m2 = area_of(scene, n->part, at);
     double pieces = fmin(fmax(4.0 * area_m2 / (bin_m * bin_m), LEAST_PIECES), MOST_PIECES);
     double each_m2 = area_m2 / floor(pieces), sum = 0.0;
     size_t room = area_m2 > 0.0 ? (size_t)pieces : 1;
@@ -107,7 +122,7 @@ static asdic_status cut_object(const asdic_namer *namer, named *n) {
     }
     n->pieces[0].at_m = asdic_mission_get_object(namer->mission, n->object)->pose.position_m;
     n->piece_count = n->part == SIZE_MAX ? 1 : 0;
-    for (size_t i = 0; i < scene->triangle_count && n->part != SIZE_MAX; i++) {
+    for (size_t i = at.first; i < at.end; i++) {
         if (scene->triangles[i].part != n->part) {
             continue;
         }
@@ -182,37 +197,42 @@ static void place(const asdic_namer *namer, named *n, size_t ping) {
     }
 }
 
-static asdic_status add_names(asdic_namer *namer) {
-    asdic_context *ctx = namer->run->ctx;
+static asdic_status add_name(asdic_namer *namer, size_t object, const span *spans) {
     const asdic_scene *scene = namer->mission->scene;
-    size_t objects = asdic_mission_object_count(namer->mission);
-    namer->names = calloc(objects + 1, sizeof *namer->names);
-    for (size_t i = 0; i < objects && namer->names; i++) {
-        const asdic_mission_object *o = asdic_mission_get_object(namer->mission, i);
-        if (o->name[0] == 0) { /* the bottom */
-            continue;
+    const asdic_mission_object *o = asdic_mission_get_object(namer->mission, object);
+    named *n = &namer->names[namer->count++];
+    memcpy(n->name, o->name, sizeof n->name);
+    n->object = object;
+    n->part = SIZE_MAX;
+    for (size_t p = 0; p < scene->part_count; p++) {
+        if (strcmp(scene->parts[p].name, o->name) == 0) {
+            n->part = p;
         }
-        named *n = &namer->names[namer->count++];
-        memcpy(n->name, o->name, sizeof n->name);
-        n->object = i;
-        n->part = SIZE_MAX;
-        for (size_t p = 0; p < scene->part_count; p++) {
-            if (strcmp(scene->parts[p].name, o->name) == 0) {
-                n->part = p;
-            }
-        }
-        for (size_t p = 0; p < scene->point_count; p++) {
-            if (strcmp(scene->points[p].name, o->name) == 0) { /* of radius a: a^2 / 4 */
-                n->point_m2 = 4.0 * ASDIC_PI * pow(10.0, 0.1 * scene->points[p].target_strength_db);
-            }
-        }
-        n->shares = calloc(namer->run->facts.bins, sizeof *n->shares);
-        if (!n->shares) {
-            return asdic_fail_memory(ctx, "objects' shares");
-        }
-        TRY(cut_object(namer, n));
     }
-    return namer->names ? ASDIC_OK : asdic_fail_memory(ctx, "objects' names");
+    for (size_t p = 0; p < scene->point_count; p++) {
+        if (strcmp(scene->points[p].name, o->name) == 0) { /* of radius a: a^2 / 4 */
+            n->point_m2 = 4.0 * ASDIC_PI * pow(10.0, 0.1 * scene->points[p].target_strength_db);
+        }
+    }
+    n->shares = calloc(namer->run->facts.bins, sizeof *n->shares);
+    if (!n->shares) {
+        return asdic_fail_memory(namer->run->ctx, "objects' shares");
+    }
+    return cut_object(namer, n, n->part == SIZE_MAX ? (span){0, 0} : spans[n->part]);
+}
+
+static asdic_status add_names(asdic_namer *namer) {
+    size_t objects = asdic_mission_object_count(namer->mission);
+    span *spans = find_spans(namer->mission->scene);
+    namer->names = calloc(objects + 1, sizeof *namer->names);
+    asdic_status status =
+        spans && namer->names ? ASDIC_OK : asdic_fail_memory(namer->run->ctx, "objects' names");
+    for (size_t i = 0; i < objects && !status; i++) {
+        bool is_bottom = asdic_mission_get_object(namer->mission, i)->name[0] == 0;
+        status = is_bottom ? ASDIC_OK : add_name(namer, i, spans);
+    }
+    free(spans);
+    return status;
 }
 
 static asdic_status name_nothing(asdic_namer *namer) {
