@@ -367,6 +367,9 @@ def test_detections():
     need_device()
     run = asdic.simulate(pool())
     raises(asdic.ArgumentError, "cfar is a background of its own", run.detect, cfar="ca", background="flat")
+    for option in "cfar_cells", "cfar_guard":
+        raises(asdic.ArgumentError, "cfar_cells and cfar_guard go with cfar", run.detect, **{option: 4})
+        raises(asdic.ArgumentError, option, run.detect, cfar="os", **{option: 257})
     found = run.detect(pfa=1e-3)
     tap.equal(found.report.pings, 3, "pings")
     tap.equal([name for name in found.classes["name"]][:1], [b"ball"], "classes")

@@ -323,12 +323,13 @@ def _detector(run: Run, pfa: float | None, target: str | None, prior: float | No
 
 def detect(run: Run | Folder, *, pfa: float | None = None, target: str | None = None, prior: float | None = None,
            snr_db: float | None = None, cost_ratio: float | None = None, background: str = "auto",
-           cfar: str | None = None, cfar_cells: int = 8, cfar_guard: int = 2, truth_snr_db: float | None = None,
-           cell_m: float | None = None, device: str | None = None, force: bool = False,
+           cfar: str | None = None, cfar_cells: int | None = None, cfar_guard: int | None = None,
+           truth_snr_db: float | None = None, cell_m: float | None = None, device: str | None = None, force: bool = False,
            progress: Progress | bool = None) -> Detections:
     """Judges every bin of a run, as `asdic detect` does; writes its tables into the run's folder.
 
-    TARGET: "swerling0" to "swerling3". BACKGROUND: "auto", "flat", "simulated", "cfar". CFAR: "ca" or "os".
+    TARGET: "swerling0" to "swerling3". BACKGROUND: "auto", "flat", "simulated", "cfar". CFAR: "ca" or "os", over
+    CFAR_CELLS (8) bins on either side but for CFAR_GUARD (2) next to the bin.
     FORCE replaces what an earlier call left.
     """
     run = run if isinstance(run, Run) else Run(run)
@@ -341,8 +342,12 @@ def detect(run: Run | Folder, *, pfa: float | None = None, target: str | None = 
     options.has_cfar = cfar is not None or background == "cfar"
     if cfar is not None:
         options.cfar.kind = value_of("asdic_cfar_kind", cfar, "cfar")
-    options.cfar.cells = whole(cfar_cells, "cfar_cells", 1, 256)
-    options.cfar.guard = whole(cfar_guard, "cfar_guard", 0, 256)
+    if not options.has_cfar and (cfar_cells is not None or cfar_guard is not None):
+        raise fail(ArgumentError, "cfar_cells and cfar_guard go with cfar")
+    if cfar_cells is not None:
+        options.cfar.cells = whole(cfar_cells, "cfar_cells", 1, 256)
+    if cfar_guard is not None:
+        options.cfar.guard = whole(cfar_guard, "cfar_guard", 0, 256)
     if truth_snr_db is not None:
         options.truth_snr_db = number(truth_snr_db, "truth_snr_db")
     if cell_m is not None:
