@@ -185,6 +185,7 @@ sampling: {rays: 4000}
         time_s = math.acosh(1 + 0.25 * (300 ** 2 + 95 ** 2) / (2 * here * there)) / 0.5
         tap.equal(abs(curve["range_m"] - here * time_s) <= 0.25, True, f"{curve['range_m']}, not {here * time_s} m")
         tap.equal(curve["snr_db"] is not None and curve["snr_db"] > 10, True, f"{curve['snr_db']} dB")
+        tap.equal(abs(curve["target_strength_db"]) < 0.15, True, f"{curve['target_strength_db']} dB")
 
 
 def test_a_pulse_spreads_its_echo():

@@ -30,6 +30,8 @@
 #define MOST_RANGES 100
 /* Draws at each, if as many are asked for. */
 #define MOST_REACH_TRIALS 20000u
+/* Steps to the distance of what is heard at a range; each leaves some hundredths of what is off. */
+#define NEARER 2
 /* Of a draw with the target and one without, while the area is found. */
 #define TRIAL_BYTES 80u
 
@@ -198,6 +200,17 @@ static asdic_vec3 direction_of_target(const scene_job *job, size_t beam, double 
     return (asdic_vec3){cosine * cos(azimuth), cosine * sin(azimuth), sine};
 }
 
+/* How far off the point of the target is that BEAM hears at RANGE_M: as far, but where rays bend. */
+static double distance_m(const scene_job *job, size_t beam, double range_m) {
+    double far_m = range_m;
+    for (int i = 0; i < NEARER && job->heard.bends; i++) {
+        asdic_vec3 to_m = asdic_vec3_scale(direction_of_target(job, beam, far_m), far_m);
+        double heard_m = asdic_heard_range_m(&job->heard, to_m);
+        far_m *= heard_m > 0.0 ? range_m / heard_m : 1.0;
+    }
+    return far_m;
+}
+
 /* Both patterns of BEAM in the direction U. */
 static double gain_lin(const scene_job *job, size_t beam, asdic_vec3 u) {
     const asdic_beam *apertures[2] = {&job->sonar.transmitter, &job->sonar.receivers[beam]};
@@ -230,14 +243,14 @@ static double bent_echo_lin(const scene_job *job, size_t beam, double range_m, a
     return loudest;
 }
 
-/* Echo in BEAM of a point of 0 dB at RANGE_M where the target is, in the bin of that range: the pulse may be longer.
- * 0 where that is no water. */
+/* Echo in BEAM of a point of 0 dB where the target is that is heard at RANGE_M, in the bin of that range: the pulse may
+ * be longer. 0 where that is no water. */
 static double echo_lin(const scene_job *job, size_t beam, double range_m) {
     const asdic_scene *scene = job->mission->scene;
     const asdic_environment *env = &job->mission->settings.environment;
     const asdic_sonar *sonar = &job->sonar;
-    asdic_vec3 u = direction_of_target(job, beam, range_m);
-    double z = job->pose.position_m.z;
+    double z = job->pose.position_m.z, far_m = distance_m(job, beam, range_m);
+    asdic_vec3 u = direction_of_target(job, beam, far_m);
     if (asdic_vec3_length(u) == 0.0 || (scene->has_surface && z < 0.0) ||
         (scene->has_bottom_plane && z > scene->bottom_plane_depth_m)) {
         return 0.0;
@@ -245,8 +258,8 @@ static double echo_lin(const scene_job *job, size_t beam, double range_m) {
     size_t bin = (size_t)(range_m / sonar->bin_length_m);
     bool bends = job->heard.bends && hypot(u.x, u.y) > 0.0;
     double back =
-        bends ? bent_echo_lin(job, beam, range_m, u)
-              : gain_lin(job, beam, u) * ray_transmission(job->water.absorption_np_per_m, range_m);
+        bends ? bent_echo_lin(job, beam, far_m, u)
+              : gain_lin(job, beam, u) * ray_transmission(job->water.absorption_np_per_m, far_m);
     return back * asdic_pulse_share(sonar, job->water.sound_speed_mps, job->bins, bin) *
            asdic_water_column_source_lin(&job->water, env, sonar);
 }
