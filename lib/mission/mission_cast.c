@@ -36,7 +36,7 @@ static asdic_status find_columns(asdic_context *ctx, const char *path, const cha
     char *text = NULL;
     size_t bytes;
     TRY(asdic_file_read(ctx, path, MAX_CAST_BYTES, &text, &bytes));
-    char *line = text;
+    char *line = text + asdic_utf8_mark(text, bytes);
     while (line && (line[strspn(line, " \t\r")] == '\n' || *line == '#')) {
         line = strchr(line, '\n');
         line = line ? line + 1 : NULL;

@@ -91,6 +91,18 @@ static void heights_and_other_headers(void **state) {
     asdic_mesh_destroy(&mesh);
 }
 
+/* As editors of Windows save it. */
+static void a_mark_of_utf8_is_passed_over(void **state) {
+    (void)state;
+    mesh_rig_write(&rig, "g.asc",
+                   "\xef\xbb\xbfncols 2\r\nnrows 2\r\nxllcorner 0\r\nyllcorner 0\r\n"
+                   "cellsize 1\r\n1 2\r\n3 4\r\n");
+    asdic_mesh *mesh = load(true);
+    assert_close(depth_at(mesh, 1.5, 1.5), 2.0, 1e-6); /* the north-eastern corner */
+    asdic_mesh_destroy(&mesh);
+    refuse("\xef\xbb\xbf", "header");
+}
+
 static void holes(void **state) {
     (void)state;
     /* GDAL writes the marker with other digits in the header than in the rows */
@@ -191,6 +203,7 @@ int main(void) {
         cmocka_unit_test(rows_run_south),
         cmocka_unit_test(facets_are_of_their_corners),
         cmocka_unit_test(heights_and_other_headers),
+        cmocka_unit_test(a_mark_of_utf8_is_passed_over),
         cmocka_unit_test(holes),
         cmocka_unit_test(holes_have_a_marker_without_a_header),
         cmocka_unit_test(holes_may_be_no_numbers),

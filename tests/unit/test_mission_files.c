@@ -219,6 +219,28 @@ static void casts_take_the_salinity_that_is_set(void **state) {
     }
 }
 
+/* A cast's own salinity counts, whatever stands before its header: a mark of UTF-8, comments, blank lines. */
+static void casts_have_their_salinity_behind_what_precedes_it(void **state) {
+    workshop *w = *state;
+    static const char *const before[] = {"", "\xef\xbb\xbf", "# a\r\n\r\n",
+                                         "\xef\xbb\xbf# a\r\n\r\n"};
+    write_file(w, "a.yaml", "frequency_khz: 30\n");
+    write_file(w, "scene.yaml",
+               "version: 1\n" FLAT SONAR POSE
+               "environment: {sound_speed_profile: cast.csv, salinity_ppt: 35}\n");
+    for (size_t i = 0; i < sizeof before / sizeof *before; i++) {
+        char text[128];
+        snprintf(text, sizeof text,
+                 "%sdepth_m,temperature_degc,salinity_ppt\r\n0,10,20\r\n9,5,20\r\n", before[i]);
+        write_file(w, "cast.csv", text);
+        asdic_mission *m = load_with(w, NULL, 0, NULL);
+        assert_non_null(m);
+        assert_close(asdic_mission_environment(m)->sound_speed_profile.sound_speed_mps[0],
+                     speed_of(10.0, 20.0), 1e-9);
+        asdic_mission_destroy(&m);
+    }
+}
+
 /* A run of a trial may start below the bottom; runs of a data set need names, and in layers their places count. */
 static void loads_of_other_kinds(void **state) {
     workshop *w = *state;
@@ -601,6 +623,7 @@ int main(void) {
         cmocka_unit_test(draws_stand_in_place_of_the_file),
         cmocka_unit_test(settings_mean_the_entries_of_the_file),
         cmocka_unit_test(casts_take_the_salinity_that_is_set),
+        cmocka_unit_test(casts_have_their_salinity_behind_what_precedes_it),
         cmocka_unit_test(loads_of_other_kinds),
         cmocka_unit_test(scenes_in_memory_are_whole),
         cmocka_unit_test(inputs_have_one_hash),
