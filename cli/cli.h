@@ -98,7 +98,7 @@ void cli_number_range(cli *c, const char *option, double limit_low, double limit
                       double *high);
 /* FIRST:END as in Python: [first, end); "A" is A:A+1; an omitted side keeps *FIRST or *END. */
 void cli_index_range(cli *c, const char *option, uint64_t *first, uint64_t *end);
-/* K/N with 1 <= K <= N. */
+/* K/N with 1 <= K <= N <= 1e9. */
 void cli_share(cli *c, const char *option, uint64_t *k, uint64_t *n);
 /* The position of the word among WORDS, which end with NULL. */
 void cli_choice(cli *c, const char *option, const char *const *words, int *out);

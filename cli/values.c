@@ -160,6 +160,9 @@ void cli_index_range(cli *c, const char *option, uint64_t *first, uint64_t *end)
     *end = b;
 }
 
+/* Of a share: as many as there are pings or runs at most. Their product with these fits 64 bits. */
+#define MOST_SHARES 1000000000u
+
 void cli_share(cli *c, const char *option, uint64_t *k, uint64_t *n) {
     const char *text = cli_text(c, option), *end;
     uint64_t a, b;
@@ -167,8 +170,8 @@ void cli_share(cli *c, const char *option, uint64_t *k, uint64_t *n) {
         return;
     }
     if (!cli_read_integer(text, &a, &end) || *end != '/' || !cli_read_integer(end + 1, &b, &end) ||
-        *end != '\0' || a < 1 || a > b) {
-        bad(c, option, "K/N with 1 <= K <= N");
+        *end != '\0' || a < 1 || a > b || b > MOST_SHARES) {
+        bad(c, option, "K/N with 1 <= K <= N <= 1000000000");
         return;
     }
     *k = a;

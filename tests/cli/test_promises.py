@@ -108,7 +108,7 @@ def edges(values):
         less, more = math.nextafter(low, -math.inf), math.nextafter(high, math.inf)
         return [f"{low}:{high}"], [f"{less!r}:{high}", f"{low}:{more!r}", "1:1", "2:1", "1", "1:", ":1", "1:2x"]
     if values.startswith("K/N"):
-        return ["1/1", "2/2", "1/2"], ["0/1", "2/1", "0/0", "1/", "/1", "1", "1/2x", "x/2"]
+        return ["1/1", "2/2", "1/2"], ["1/1000000001", "0/1", "2/1", "0/0", "1/", "/1", "1", "1/2x", "x/2"]
     if values.startswith("FIRST:END"):
         return ["0:1", "3", "3:", ":3"], ["1:1", "2:1", "3x", "0:1x", "x:1", "0:x"]
     words = re.match(r"one of (.*)", values)

@@ -257,18 +257,31 @@ static void take_share(void) {
 
 static void a_share_is_one_of_several(void **state) {
     (void)state;
-    static const char *const bad[] = {"0/3",  "4/3", "1",   "1/",  "/3",
-                                      "1/3/", "1:3", "a/3", "1/b", ""};
+    static const char *const bad[] = {"0/3",
+                                      "4/3",
+                                      "1",
+                                      "1/",
+                                      "/3",
+                                      "1/3/",
+                                      "1:3",
+                                      "a/3",
+                                      "1/b",
+                                      "1/1000000001",
+                                      "18446744073709551615/18446744073709551615",
+                                      ""};
     assert_string_equal(say("--share", "1/1", take_share), "");
     assert_true(share_k == 1 && share_n == 1);
     assert_string_equal(say("--share", "2/3", take_share), "");
     assert_true(share_k == 2 && share_n == 3);
     assert_string_equal(say("--share", "3/3", take_share), "");
     assert_true(share_k == 3 && share_n == 3);
+    assert_string_equal(say("--share", "1000000000/1000000000", take_share), "");
+    assert_true(share_k == 1000000000 && share_n == 1000000000);
     for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
         char expected[128];
         snprintf(expected, sizeof expected,
-                 "error: option '--share': '%s' is not K/N with 1 <= K <= N\n", bad[k]);
+                 "error: option '--share': '%s' is not K/N with 1 <= K <= N <= 1000000000\n",
+                 bad[k]);
         assert_string_equal(say("--share", bad[k], take_share), expected);
         assert_true(share_k == 7 && share_n == 7);
     }
