@@ -42,6 +42,7 @@ typedef struct server {
     asdic_loop_ping ping;    /* the last, ... */
     asdic_scan_result found; /* ... and what was detected in it */
     uint64_t line;
+    double ahead_s; /* what the client's clock has over the scene's */
 } server;
 
 /* Lines from standard input, without stdio, so that a signal ends the wait. */
@@ -175,13 +176,21 @@ static asdic_status make_ping(void *user, const asdic_pose *pose, serve_answer *
     return ASDIC_OK;
 }
 
-static asdic_status ping_at(server *s, const serve_request *request) {
+/* A line without a time goes on from the last that had one. */
+static void tell_time(server *s, serve_request *request) {
+    double *time_s = &request->value[SERVE_TIME];
+    s->ahead_s = isnan(*time_s) ? s->ahead_s : *time_s - s->ping.time_s;
+    *time_s = isnan(*time_s) ? s->ping.time_s + s->ahead_s : *time_s;
+}
+
+static asdic_status ping_at(server *s, serve_request *request) {
     serve_answer answer;
     char why[SERVE_WHY_SIZE] = "";
     TRY(make_ping(s, &request->pose, &answer, why));
     if (*why) {
         refuse(s, why);
     } else {
+        tell_time(s, request);
         serve_write_ping(&s->writer, s->line, request, &answer);
     }
     return ASDIC_OK;
@@ -375,7 +384,7 @@ const cli_command cli_serve_command = {
         "comma-separated "
         "values in the order of a track file, time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg, or of "
         "a header that was sent before. x_m, y_m, z_m are needed, angles are 0 when not given; "
-        "time_s is repeated in the answer, and counted when it is not given. The scene's own "
+        "time_s is repeated in the answer, and counted on when it is not given. The scene's own "
         "mission gives the first depth alone; objects with a track move by 1 / ping_rate_hz from "
         "ping to ping, whatever time_s says.\n\n"
         "json: an object a line with \"level_db\", an array for each beam; null where there is no "

@@ -71,6 +71,7 @@ typedef struct serve_frame {
 /* What goes before the first answer. */
 void serve_write_head(const serve_writer *w);
 
+/* REQUEST has a time, given or counted. */
 void serve_write_ping(const serve_writer *w, uint64_t line, const serve_request *request,
                       const serve_answer *answer);
 void serve_write_error(const serve_writer *w, uint64_t line, const char *why);

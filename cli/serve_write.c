@@ -37,10 +37,6 @@ static void put_level(FILE *out, float level_db, const char *none) {
     }
 }
 
-static double time_of(const serve_request *request, const asdic_loop_ping *ping) {
-    return isnan(request->value[SERVE_TIME]) ? ping->time_s : request->value[SERVE_TIME];
-}
-
 static void put_json_levels(const serve_writer *w, const char *name, const float *level_db) {
     fprintf(w->out, ",\"%s\":{", name);
     for (size_t b = 0; b < w->sonar->receiver_count; b++) {
@@ -81,7 +77,7 @@ static void write_json(const serve_writer *w, const serve_request *request,
                        const serve_answer *answer) {
     const asdic_loop_ping *ping = answer->ping;
     fprintf(w->out, "{\"ping\":%" PRIu64 ",\"time_s\":", ping->ping);
-    put_number(w->out, time_of(request, ping), "null");
+    put_number(w->out, request->value[SERVE_TIME], "null");
     for (int i = SERVE_X; i < SERVE_COLUMNS; i++) {
         fprintf(w->out, ",\"%s\":", serve_columns[i]);
         put_number(w->out, request->value[i], "null");
@@ -127,7 +123,7 @@ static void write_csv(const serve_writer *w, const serve_request *request,
                       const serve_answer *answer) {
     const asdic_loop_ping *ping = answer->ping;
     fprintf(w->out, "%" PRIu64 ",", ping->ping);
-    put_number(w->out, time_of(request, ping), "");
+    put_number(w->out, request->value[SERVE_TIME], "");
     for (int i = SERVE_X; i < SERVE_COLUMNS; i++) {
         fputc(',', w->out);
         put_number(w->out, request->value[i], "");
@@ -178,7 +174,7 @@ static void write_raw(const serve_writer *w, uint64_t line, const serve_request 
                       const serve_answer *answer) {
     serve_frame frame = frame_of(w, line);
     frame.ping = answer->ping->ping;
-    frame.time_s = time_of(request, answer->ping);
+    frame.time_s = request->value[SERVE_TIME];
     frame.altitude_m = answer->ping->altitude_m;
     fwrite(&frame, sizeof frame, 1, w->out);
     fwrite(answer->ping->level_db, sizeof(float), cells_of(w), w->out);

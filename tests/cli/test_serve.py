@@ -172,6 +172,15 @@ def test_every_line_that_asks_is_answered():
         tap.equal(["error" in answer for answer in answers], [False, True], "the longest line")
 
 
+def test_lines_without_a_time_go_on_from_the_last_that_had_one():
+    program.need_device()
+    lines = ['{"x_m": 0, "y_m": 0, "z_m": 7%s}' % time
+             for time in ("", "", ', "time_s": 100.5', "", "", ', "time_s": 50', "")]
+    with Folder() as folder:
+        times = [json.loads(line)["time_s"] for line in serve(folder, lines).out.splitlines()]
+        tap.equal([round(time, 9) for time in times], [0.0, 0.1, 100.5, 100.6, 100.7, 50.0, 50.1])
+
+
 def test_lines_that_are_no_text_are_answered_in_text():
     program.need_device()
     lines = [b'{"x_m": 1, "y_m": 2, "z_m": 7}', b"\0\0\0\0", b'{"x_m": 1, "\xff\xfe": 2, "z_m": 7}',
