@@ -321,7 +321,7 @@ static asdic_status replay_on(cli *c, request *r, asdic_device **devices, size_t
     if (!status) {
         asdic_run_options options = asdic_run_options_default();
         options.folder = r->options.folder;
-        options.force = true; /* the replay looked; its track is there */
+        options.force = options.own_track = true; /* the replay looked; its track is there */
         status = asdic_mission_run(cli_context(c), mission, devices, count, &options);
     }
     if (!status) {

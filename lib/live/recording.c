@@ -186,7 +186,7 @@ static asdic_status write_run(asdic_recording *r) {
     asdic_status status =
         scene ? asdic_mission_load(r->ctx, scene, &mission) : asdic_fail_memory(r->ctx, "a name");
     options.folder = r->folder;
-    options.force = true; /* its track is there already */
+    options.force = options.own_track = true; /* it is there already */
     asdic_run_job job = {.ctx = r->ctx,
                          .mission = mission,
                          .devices = &r->device,

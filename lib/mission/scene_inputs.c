@@ -14,6 +14,8 @@
 typedef struct inputs {
     asdic_context *ctx;
     const char *scene;
+    asdic_scene_file_visit visit;
+    void *user;
     bool is_whole; /* the scene file itself, too */
     asdic_arena arena;
     asdic_problems problems; /* told when the mission was loaded */
@@ -27,21 +29,25 @@ static asdic_status add_bytes(inputs *in, const void *bytes, size_t length) {
     return in->hashes.failed ? asdic_fail_memory(in->ctx, "the hash of a scene") : ASDIC_OK;
 }
 
-/* The file called NAME, if there is one. */
-static asdic_status add_file(inputs *in, const char *name) {
-    const char *slash = *name != '/' ? strrchr(in->scene, '/') : NULL;
-    int folder = slash ? (int)(slash - in->scene) + 1 : 0;
-    char path[4096], *bytes = NULL;
+static asdic_status add_hash(void *user, const char *path) {
+    inputs *in = user;
+    char *bytes = NULL;
     size_t length = 0;
-    struct stat st;
-    int size = snprintf(path, sizeof path, "%.*s%s", folder, in->scene, name);
-    if ((size_t)size >= sizeof path || stat(path, &st) != 0 || !S_ISREG(st.st_mode)) {
-        return ASDIC_OK;
-    }
     TRY(asdic_file_read(in->ctx, path, SIZE_MAX, &bytes, &length));
     asdic_status status = add_bytes(in, bytes, length);
     free(bytes);
     return status;
+}
+
+/* The file called NAME, if there is one. */
+static asdic_status add_file(inputs *in, const char *name) {
+    const char *slash = *name != '/' ? strrchr(in->scene, '/') : NULL;
+    int folder = slash ? (int)(slash - in->scene) + 1 : 0;
+    char path[4096];
+    struct stat st;
+    int size = snprintf(path, sizeof path, "%.*s%s", folder, in->scene, name);
+    bool is_file = (size_t)size < sizeof path && stat(path, &st) == 0 && S_ISREG(st.st_mode);
+    return is_file ? in->visit(in->user, path) : ASDIC_OK;
 }
 
 /* Files that any value names, whatever is drawn: choices hold names too. */
@@ -61,9 +67,16 @@ static asdic_status add_scene(inputs *in, const char *bytes, size_t size) {
     char *text = asdic_text_to_utf8(bytes, size, &length);
     bool good = text && asdic_yaml_read(text, length, &in->arena, &in->problems, &root);
     free(text);
-    TRY(good ? ASDIC_OK : asdic_fail_memory(in->ctx, "the hash of a scene"));
-    TRY(in->is_whole ? add_bytes(in, bytes, size) : ASDIC_OK);
-    return root ? add_files(in, root) : ASDIC_OK;
+    asdic_status status = good ? ASDIC_OK : asdic_fail_memory(in->ctx, "a scene's files");
+    if (!status && in->is_whole) {
+        status = add_bytes(in, bytes, size);
+    }
+    if (!status && root) {
+        status = add_files(in, root);
+    }
+    asdic_problems_finish(&in->problems);
+    asdic_arena_finish(&in->arena);
+    return status;
 }
 
 static asdic_status add_inputs(inputs *in) {
@@ -72,14 +85,20 @@ static asdic_status add_inputs(inputs *in) {
     TRY(asdic_file_read(in->ctx, in->scene, SIZE_MAX, &bytes, &size));
     asdic_status status = add_scene(in, bytes, size);
     free(bytes);
-    asdic_problems_finish(&in->problems);
-    asdic_arena_finish(&in->arena);
     return status;
+}
+
+asdic_status asdic_scene_visit_files(asdic_context *ctx, const char *scene, const char *text,
+                                     asdic_scene_file_visit visit, void *user) {
+    inputs in = {
+        .ctx = ctx, .scene = scene, .visit = visit, .user = user, .problems = {.name = scene}};
+    return add_scene(&in, text, strlen(text));
 }
 
 asdic_status asdic_scene_files_hash(asdic_context *ctx, const char *scene,
                                     const char *const *values, size_t count, asdic_text *out) {
-    inputs in = {.ctx = ctx, .scene = scene, .problems = {.name = scene}};
+    inputs in = {.ctx = ctx, .scene = scene, .visit = add_hash, .problems = {.name = scene}};
+    in.user = &in;
     asdic_status status = add_inputs(&in);
     for (size_t i = 0; !status && i < count; i++) {
         status = values[i][0] ? add_file(&in, values[i]) : ASDIC_OK;
@@ -92,7 +111,12 @@ asdic_status asdic_scene_files_hash(asdic_context *ctx, const char *scene,
 }
 
 asdic_status asdic_scene_inputs_hash(asdic_context *ctx, const char *scene, char hex[65]) {
-    inputs in = {.ctx = ctx, .scene = scene, .is_whole = true, .problems = {.name = scene}};
+    inputs in = {.ctx = ctx,
+                 .scene = scene,
+                 .visit = add_hash,
+                 .is_whole = true,
+                 .problems = {.name = scene}};
+    in.user = &in;
     asdic_status status = add_inputs(&in);
     if (!status && in.hashes.length == 64) {
         memcpy(hex, in.hashes.data, 65); /* of the scene file alone */

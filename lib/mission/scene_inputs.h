@@ -1,5 +1,5 @@
 /*
- * The hash of what a scene is drawn from, whichever of it a draw takes: the scene file, and the files that it names.
+ * What a scene is drawn from, whichever of it a draw takes: the scene file, and the files that it names.
  * A mission's own hash (mission.h) is of what one draw took.
  */
 #ifndef ASDIC_MISSION_SCENE_INPUTS_H
@@ -16,5 +16,12 @@ asdic_status asdic_scene_inputs_hash(asdic_context *ctx, const char *scene, char
  * it may get. */
 asdic_status asdic_scene_files_hash(asdic_context *ctx, const char *scene,
                                     const char *const *values, size_t count, asdic_text *out);
+
+/* Takes the file at PATH; what it returns ends the visit unless that is ASDIC_OK. */
+typedef asdic_status (*asdic_scene_file_visit)(void *user, const char *path);
+
+/* Visits each file that a value of TEXT, that of the file SCENE, names. */
+asdic_status asdic_scene_visit_files(asdic_context *ctx, const char *scene, const char *text,
+                                     asdic_scene_file_visit visit, void *user);
 
 #endif

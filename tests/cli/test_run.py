@@ -491,6 +491,31 @@ def test_flown_track_is_written_and_replays():
             tap.equal(data(folder, "ab", "track.csv").decode().splitlines(), lines, "merged track")
 
 
+def test_no_force_replaces_what_the_scene_reads():
+    """A run writes terrain.asc and track.csv, names that a scene's own files may have."""
+    program.need_device()
+    with Folder() as folder:
+        path = scene(folder, rays=500)
+        track = folder.write(
+            "track.csv", "time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n0,0,0,5,0,0,0\n1,1,0,5,0,0,0\n")
+        flown = folder.write("flown.yaml", folder.read("pool.yaml").replace(
+            "pose: {position_m: [0, 0, 5]}, pings: 6", "track: track.csv"))
+        before = data(folder, ".", "track.csv")
+        for where in (folder.path, folder / "."):
+            done = asdic("run", flown, "-o", where, "--force").check(code=1)
+            tap.contains(done.err, "track.csv', which the scene reads, is in")
+        asdic("run", path, "-o", folder / "r").check(code=0)
+        os.remove(folder / "r/track.csv")
+        os.symlink(track, folder / "r/track.csv")  # the link is the run's to replace, but for this scene
+        done = asdic("run", flown, "-o", folder / "r", "--force").check(code=1)
+        tap.contains(done.err, "which the scene reads")
+        tap.equal(data(folder, ".", "track.csv"), before)
+        asdic("run", path, "-o", folder / "r", "--force").check(code=0)
+        tap.equal(data(folder, ".", "track.csv"), before)
+        piped = asdic("run", "-", "-o", ".", "--force", cwd=folder.path, stdin=folder.read("flown.yaml"))
+        tap.contains(piped.check(code=1).err, "which the scene reads")
+
+
 def test_tolerance_finds_rays():
     program.need_device()
     with Folder() as folder:

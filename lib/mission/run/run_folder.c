@@ -133,6 +133,26 @@ asdic_status asdic_folder_hold(asdic_context *ctx, const char *folder, DIR **out
                    : ASDIC_OK;
 }
 
+asdic_status asdic_folder_spare(asdic_context *ctx, const char *folder, const char *path,
+                                const char *own) {
+    struct stat named, there;
+    DIR *dir = stat(path, &named) == 0 ? opendir(folder) : NULL;
+    bool is_lost = false;
+    for (struct dirent *entry; dir && !is_lost && (entry = readdir(dir));) {
+        is_lost = is_ours(entry->d_name) && strcmp(entry->d_name, own) != 0 &&
+                  fstatat(dirfd(dir), entry->d_name, &there, 0) == 0 &&
+                  there.st_dev == named.st_dev && there.st_ino == named.st_ino;
+    }
+    if (dir) {
+        closedir(dir);
+    }
+    return is_lost ? asdic_fail(ctx, ASDIC_ERROR_EXISTS,
+                                "'%s', which the scene reads, is in '%s' and has a name that a run "
+                                "writes there; rename it, or use another folder",
+                                path, folder)
+                   : ASDIC_OK;
+}
+
 static asdic_status clear(asdic_context *ctx, const char *folder) {
     asdic_status status = ASDIC_OK;
     DIR *dir = opendir(folder);

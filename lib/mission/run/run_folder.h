@@ -23,6 +23,11 @@ asdic_status asdic_folder_hold(asdic_context *ctx, const char *folder, DIR **out
 asdic_status asdic_folder_prepare(asdic_context *ctx, const char *folder, bool force,
                                   bool can_resume);
 
+/* ASDIC_ERROR_EXISTS where PATH is a file in FOLDER, other than that called OWN, that a run there
+ * would replace. */
+asdic_status asdic_folder_spare(asdic_context *ctx, const char *folder, const char *path,
+                                const char *own);
+
 /* The names of the PNG pictures that a run draws and FOLDER has, sorted; *NAMES is ARENA's. */
 asdic_status asdic_folder_pictures(asdic_context *ctx, const char *folder, asdic_arena *arena,
                                    const char ***names, size_t *count);
