@@ -7,6 +7,7 @@
 
 #define INK_RGB 0x202020u
 #define SAMPLE_PX 36.0 /* an entry's piece of line */
+#define BESIDE_PX 10.0 /* from there to its name */
 #define APART_PX 24.0
 #define ROW_PX (1.5 * ASDIC_TEXT_PX)
 
@@ -51,7 +52,7 @@ double asdic_canvas_legend(asdic_canvas *c, asdic_box box, const asdic_series *e
         if (!entry->label) {
             continue;
         }
-        double wide = SAMPLE_PX + 10.0 + asdic_canvas_text_width(entry->label, ASDIC_TEXT_PX);
+        double wide = SAMPLE_PX + BESIDE_PX + asdic_canvas_text_width(entry->label, ASDIC_TEXT_PX);
         rows = rows ? rows : 1;
         if (x > box.x && x + wide > box.x + box.w) {
             rows++;
@@ -63,11 +64,12 @@ double asdic_canvas_legend(asdic_canvas *c, asdic_box box, const asdic_series *e
             asdic_canvas_line(c, x, y, x + SAMPLE_PX, y);
             asdic_canvas_set_style(c, NULL);
             asdic_canvas_color(c, INK_RGB);
-            asdic_canvas_text(
-                c,
-                (asdic_text){
-                    .x = x + SAMPLE_PX + 10.0, .y = y, .align_y = 0.5, .size_px = ASDIC_TEXT_PX},
-                entry->label);
+            asdic_canvas_text_fit(c,
+                                  (asdic_text){.x = x + SAMPLE_PX + BESIDE_PX,
+                                               .y = y,
+                                               .align_y = 0.5,
+                                               .size_px = ASDIC_TEXT_PX},
+                                  entry->label, box.w - SAMPLE_PX - BESIDE_PX);
         }
         x += wide + APART_PX;
     }

@@ -37,7 +37,8 @@ static void draw_panel(asdic_canvas *c, asdic_box box, const asdic_plot *plot, b
 }
 
 /* Curves that the first panel's legend does not name get one beside the panel's title, which ends
- * above BOX. Returns how much higher than a row it is; draws it on CANVAS unless that is NULL. */
+ * above BOX, or above a title that takes most of the row. Returns how much room it takes above that
+ * row; draws it on CANVAS unless that is NULL. */
 static double draw_own_legend(asdic_canvas *c, asdic_box box, const asdic_plot *plot,
                               const asdic_plot *first) {
     for (size_t i = 0; i < first->series_count; i++) {
@@ -49,10 +50,12 @@ static double draw_own_legend(asdic_canvas *c, asdic_box box, const asdic_plot *
     }
     double room =
         plot->title ? asdic_canvas_text_width(plot->title, ASDIC_TEXT_PX) * 1.2 + 30.0 : 0;
+    bool is_beside = room <= 0.5 * box.w;
+    room = is_beside ? room : 0.0;
     asdic_box where = {box.x + room, box.y - 1.7 * ASDIC_TEXT_PX, box.w - room, 0};
-    double more = fmax(asdic_canvas_legend(NULL, where, plot->series, plot->series_count) -
-                           1.5 * ASDIC_TEXT_PX,
-                       0.0);
+    double more = asdic_canvas_legend(NULL, where, plot->series, plot->series_count) -
+                  (is_beside ? 1.5 * ASDIC_TEXT_PX : 0.0);
+    more = fmax(more, 0.0);
     where.y -= more;
     if (c) {
         asdic_canvas_legend(c, where, plot->series, plot->series_count);

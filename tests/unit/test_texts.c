@@ -269,6 +269,52 @@ static void abscissas_are_labelled(void **state) {
     }
 }
 
+/* The longest names that objects, beams and variants may have, in every legend and title. */
+static void long_names_stay_on_the_page(void **state) {
+    (void)state;
+    enum { COLUMNS = 8, ROWS = 40 };
+    static float db[COLUMNS * ROWS];
+    char name[ASDIC_NAME_SIZE], title[ASDIC_NAME_SIZE + 16];
+    snprintf(name, sizeof name, "%s",
+             "Wreck_of_the_Norwegian_MOUNTAIN_QUEEN_amidships_port_side_stern");
+    assert_int_equal(strlen(name), ASDIC_NAME_SIZE - 1);
+    snprintf(title, sizeof title, "beam \u2018%s\u2019", name);
+    const asdic_plot_axis axis = {.label = "range (m)", .low = 1, .high = 10};
+    const double at[] = {3, 4};
+    const asdic_series lines[] = {{.label = name, .x = at, .y = at, .count = 2, .width = 1},
+                                  {.label = "short", .x = at, .y = at, .count = 2, .width = 1}};
+    asdic_picture_options options = options_of("long names");
+    const asdic_plot panels[] = {
+        {.title = title, .x = axis, .y = axis, .series = lines, .series_count = 2},
+        {.title = title, .x = axis, .y = axis, .series = lines + 1, .series_count = 1}};
+    for (size_t count = 1; count <= 2; count++) {
+        assert_ok(t.ctx, asdic_picture_plot(t.ctx, path, panels, count, &options));
+        assert_legible("plot", 10);
+    }
+    const asdic_map map = {.columns = COLUMNS,
+                           .rows = ROWS,
+                           .cell_m = 1.0,
+                           .values = db,
+                           .label = "level (dB)",
+                           .lines = lines,
+                           .line_count = 2};
+    options.db_low = -10.0;
+    options.db_high = 10.0;
+    assert_ok(t.ctx, asdic_picture_map(t.ctx, path, &map, &options));
+    assert_legible("map", 10);
+    const asdic_ascope beam = {.title = title,
+                               .bins = ROWS,
+                               .bin_length_m = 0.5,
+                               .simulated_db = db,
+                               .total_db = db,
+                               .object_db = db};
+    const asdic_ascope beams[] = {beam, beam, beam};
+    for (size_t count = 1; count <= 3; count++) {
+        assert_ok(t.ctx, asdic_picture_ascope(t.ctx, path, beams, count, &options));
+        assert_legible("A-scope", 10);
+    }
+}
+
 /* Names below an axis keep their size where each has room, and get smaller where they have not. */
 static void names_share_an_abscissa(void **state) {
     (void)state;
@@ -645,6 +691,7 @@ int main(void) {
         cmocka_unit_test(overviews),
         cmocka_unit_test(ascopes),
         cmocka_unit_test(abscissas_are_labelled),
+        cmocka_unit_test(long_names_stay_on_the_page),
         cmocka_unit_test(names_share_an_abscissa),
         cmocka_unit_test(ascopes_are_of_one_height),
         cmocka_unit_test(plans),
