@@ -146,6 +146,10 @@ int bench_run(cli *c, const bench_kind *kinds) {
     if (b.picture && !kind->draws) {
         return cli_usage(c, "'bench %s' draws nothing; -o writes a table", kind->name);
     }
+    if (b.picture && operands > kind->draws) {
+        return cli_usage(c, "a picture shows %zu scenes at most, not %zu; -o writes a table of all",
+                         kind->draws, operands);
+    }
     if (cli_given(c, "kernel") && !kind->casts) {
         return cli_usage(c, "--kernel is of rays alone; 'bench %s' times what a ping takes",
                          kind->name);

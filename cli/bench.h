@@ -12,6 +12,7 @@
 #include "cli.h"
 
 #define BENCH_MOST_COLUMNS 32
+#define BENCH_MOST_DRAWN 8 /* scenes in the picture of errors */
 
 typedef struct bench_column {
     const char *key;     /* in JSON and CSV */
@@ -51,7 +52,7 @@ typedef struct bench_kind {
     const char *const *shipped; /* scenes taken where none is named, then NULL; NULL: none */
     unsigned least, most;       /* operands */
     unsigned threads;           /* of the device unless --threads is given; 0: as it likes */
-    bool draws;                 /* takes --picture */
+    size_t draws;               /* scenes that --picture shows at most; 0: none is drawn */
     bool casts;                 /* rays alone: takes --kernel */
 } bench_kind;
 

@@ -131,15 +131,14 @@ static void hold(asdic_plot_axis *axis, const double *values, size_t count) {
 
 /* Two panels: error over rays, error over time. A colour per sampler, a line style per scene. */
 static asdic_status draw(const bench *b, const result *results, size_t count) {
-    enum { MOST_SCENES = 8 };
     static const uint32_t colors[BENCH_SAMPLERS] = {0x0072b2, 0x009e73, 0xd55e00};
     static const asdic_line_style styles[4] = {ASDIC_LINE_SOLID, ASDIC_LINE_DASHED,
                                                ASDIC_LINE_DOTTED, ASDIC_LINE_DASH_DOT};
-    static double x[2][MOST_SCENES * BENCH_SAMPLERS][BENCH_MOST_POINTS];
-    static double y[MOST_SCENES * BENCH_SAMPLERS][BENCH_MOST_POINTS];
-    asdic_series series[2][MOST_SCENES * BENCH_SAMPLERS + MOST_SCENES + BENCH_SAMPLERS];
+    static double x[2][BENCH_MOST_DRAWN * BENCH_SAMPLERS][BENCH_MOST_POINTS];
+    static double y[BENCH_MOST_DRAWN * BENCH_SAMPLERS][BENCH_MOST_POINTS];
+    asdic_series series[2][BENCH_MOST_DRAWN * BENCH_SAMPLERS + BENCH_MOST_DRAWN + BENCH_SAMPLERS];
     size_t n = 0, entries = 0;
-    for (; n < count * BENCH_SAMPLERS && n < MOST_SCENES * BENCH_SAMPLERS; n++) {
+    for (; n < count * BENCH_SAMPLERS; n++) {
         size_t scene = n / BENCH_SAMPLERS, k = n % BENCH_SAMPLERS;
         const bench_curve *curve = &results[scene].curves[k];
         for (size_t p = 0; p < curve->count; p++) {
@@ -163,7 +162,7 @@ static asdic_status draw(const bench *b, const result *results, size_t count) {
                            .rgb = colors[k],
                            .width = 2.5};
     }
-    for (size_t scene = 0; scene < count && scene < MOST_SCENES; scene++) {
+    for (size_t scene = 0; scene < count; scene++) {
         series[0][n + entries++] = (asdic_series){.label = results[scene].scene.name,
                                                   .rgb = 0x606060,
                                                   .width = 1.5,

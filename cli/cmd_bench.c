@@ -19,13 +19,14 @@ static const char *const shipped_missions[] = {"scenes/mission.yaml", "scenes/mi
 
 static int run(cli *c) {
     static const bench_kind kinds[] = {
-        {"error", bench_error_columns, bench_error, shipped, 0, CLI_ANY_NUMBER, 0, true, false},
-        {"honest", bench_honest_columns, bench_honest, NULL, 1, CLI_ANY_NUMBER, 0, false, false},
-        {"loop", bench_loop_columns, bench_loop, shipped_missions, 0, CLI_ANY_NUMBER, 0, false,
+        {"error", bench_error_columns, bench_error, shipped, 0, CLI_ANY_NUMBER, 0, BENCH_MOST_DRAWN,
          false},
-        {"pings", bench_pings_columns, bench_pings, NULL, 0, CLI_ANY_NUMBER, 0, true, false},
-        {"rays", bench_rays_columns, bench_rays, NULL, 0, CLI_ANY_NUMBER, 1, false, true},
-        {NULL, NULL, NULL, NULL, 0, 0, 0, false, false},
+        {"honest", bench_honest_columns, bench_honest, NULL, 1, CLI_ANY_NUMBER, 0, 0, false},
+        {"loop", bench_loop_columns, bench_loop, shipped_missions, 0, CLI_ANY_NUMBER, 0, 0, false},
+        {"pings", bench_pings_columns, bench_pings, NULL, 0, CLI_ANY_NUMBER, 0, CLI_ANY_NUMBER,
+         false},
+        {"rays", bench_rays_columns, bench_rays, NULL, 0, CLI_ANY_NUMBER, 1, 0, true},
+        {NULL, NULL, NULL, NULL, 0, 0, 0, 0, false},
     };
     return bench_run(c, kinds);
 }

@@ -121,6 +121,12 @@ static int run(cli *c) {
         options.images != 1u << ASDIC_IMAGE_ASCOPE) {
         return cli_usage(c, "--video is of '--images fan' or '--images ascope'");
     }
+    if (video && strlen(video + render_stem(video)) < 2) {
+        return cli_usage(c,
+                         "--video '%s': a file, by whose ending ffmpeg knows what to write, as "
+                         "fan.mp4",
+                         video);
+    }
     if (options.raw && options.path && is_vector(options.path, options.format)) {
         return cli_usage(c, "--raw pictures are PNG files");
     }

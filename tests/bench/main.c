@@ -15,18 +15,18 @@ static const cli_option options[] = {
 
 static int run(cli *c) {
     static const bench_kind kinds[] = {
-        {"bend", bend_columns, bend, NULL, 0, 0, 0, false, false},
-        {"beside", beside_columns, beside, NULL, 0, CLI_ANY_NUMBER, 1, false, true},
-        {"coherent", coherent_columns, coherent, NULL, 0, 0, 0, false, false},
-        {"cost", cost_columns, cost, NULL, 1, CLI_ANY_NUMBER, 0, false, false},
-        {"fan", fan_columns, fan, NULL, 0, 0, 0, true, false},
-        {"first", first_columns, first, NULL, 0, 0, 0, false, false},
-        {"growth", bench_pings_columns, growth, NULL, 0, 0, 0, false, false},
-        {"latency", bench_loop_columns, latency, NULL, 0, 0, 0, false, false},
-        {"roofline", roofline_columns, roofline, NULL, 0, 0, 0, false, false},
-        {"start", start_columns, start, NULL, 0, 0, 0, false, false},
-        {"truth", truth_columns, truth, NULL, 1, CLI_ANY_NUMBER, 0, false, false},
-        {NULL, NULL, NULL, NULL, 0, 0, 0, false, false},
+        {"bend", bend_columns, bend, NULL, 0, 0, 0, 0, false},
+        {"beside", beside_columns, beside, NULL, 0, CLI_ANY_NUMBER, 1, 0, true},
+        {"coherent", coherent_columns, coherent, NULL, 0, 0, 0, 0, false},
+        {"cost", cost_columns, cost, NULL, 1, CLI_ANY_NUMBER, 0, 0, false},
+        {"fan", fan_columns, fan, NULL, 0, 0, 0, 1, false},
+        {"first", first_columns, first, NULL, 0, 0, 0, 0, false},
+        {"growth", bench_pings_columns, growth, NULL, 0, 0, 0, 0, false},
+        {"latency", bench_loop_columns, latency, NULL, 0, 0, 0, 0, false},
+        {"roofline", roofline_columns, roofline, NULL, 0, 0, 0, 0, false},
+        {"start", start_columns, start, NULL, 0, 0, 0, 0, false},
+        {"truth", truth_columns, truth, NULL, 1, CLI_ANY_NUMBER, 0, 0, false},
+        {NULL, NULL, NULL, NULL, 0, 0, 0, 0, false},
     };
     return bench_run(c, kinds);
 }

@@ -569,6 +569,12 @@ def test_a_video_shows_fans_and_leaves_no_parts():
                        "-of", "csv=p=0", "v.mp4", cwd=folder.path).strip(), "2", "frames")
 
 
+def test_a_video_is_a_file_with_an_ending():
+    for name in "-", "", "video", "a.b/video", "video.":
+        done = asdic("render", "nowhere", "--video", name).check(code=2, out="")
+        tap.contains(done.err, f"--video '{name}': a file, by whose ending ffmpeg knows")
+
+
 def test_a_video_has_a_frame_for_each_ping():
     with Folder() as folder:
         run = run_of(folder)
