@@ -109,8 +109,11 @@ def test_resume_makes_what_is_missing():
         same_files(folder, "whole", "again")
         raw = data(folder, "again", "elements.npy")
         pathlib.Path(folder / "again", "elements.npy").write_bytes(raw[:-9999] + b"XXXX" + raw[-9995:])
-        tap.contains(asdic("merge", folder / "again", "-o", folder / "joined").check(code=3).err,
-                     "again/elements.npy' is missing or damaged")
+        asdic("merge", folder / "whole", "-o", folder / "kept").check(code=0)
+        for where in (folder / "joined",), (folder / "kept", "--force"):
+            tap.contains(asdic("merge", folder / "again", "-o", *where).check(code=3).err,
+                         "again/elements.npy' is missing or damaged")
+        same_files(folder, "whole", "kept")  # a part that is damaged costs no earlier result
         asdic("run", path, "-o", folder / "again", "--resume").check(code=0)
         same_files(folder, "whole", "again")
 

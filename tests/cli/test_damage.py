@@ -77,12 +77,14 @@ def test_a_bad_ping_is_named_and_made_again():
         each = (size - 10 - int.from_bytes(data(folder, "r", "pings.npy")[8:10], "little")) // 12
         for ping, byte in ((5, each // 2), (9, each - 3)):
             flip(folder / "r/pings.npy", size - (12 - ping) * each + byte)
+        shutil.copytree(folder / "whole", folder / "kept")
         for command in (("merge", folder / "r", "-o", folder / "m"), ("render", folder / "r"),
-                        ("detect", folder / "r", "--background", "flat"),
+                        ("merge", folder / "r", "-o", folder / "kept", "--force"), ("detect", folder / "r", "--background", "flat"),
                         ("render", folder / "r", "--mosaic", folder / "m.png")):
             err = asdic(*command).check(code=3).err
             tap.contains(err, "pings.npy' is damaged: ping 5 is not as it was written")
             tap.contains(err, "--resume makes it again")
+        same(folder, "whole", "kept")  # a part that is damaged costs no earlier result
         err = asdic("run", path, "-o", folder / "r", "--resume").check(code=0).err
         tap.contains(err, "ping 5 is not as it was written")
         tap.contains(err, "1 more of its pings are damaged")

@@ -84,6 +84,19 @@ static asdic_status check_parts(const merger *m) {
     return ASDIC_OK;
 }
 
+/* Reads all that the parts are joined from, before what is in the result's folder is given up. */
+static asdic_status check_records(const merger *m) {
+    for (size_t i = 0; i < m->count; i++) {
+        asdic_run *part = m->parts[i];
+        TRY(asdic_run_check_one(m->ctx, part->folder, &part->facts, ASDIC_ELEMENTS_NAME));
+        for (size_t k = 0; k < part->facts.pings_planned; k++) {
+            asdic_record record;
+            TRY(asdic_run_read(part, k, &record));
+        }
+    }
+    return ASDIC_OK;
+}
+
 static asdic_status sum_up(merger *m) {
     asdic_run_facts *f = &m->facts;
     size_t device_count = 0;
@@ -231,6 +244,9 @@ static asdic_status join(merger *m, const char *const *folders, bool force) {
     TRY(check_parts(m));
     TRY(check_folder(m));
     TRY(sum_up(m));
+    if (force && asdic_folder_has_run(m->folder)) {
+        TRY(check_records(m));
+    }
     /* Only now: a wrong part must not cost an earlier result. */
     TRY(asdic_folder_hold(m->ctx, m->folder, &m->lock));
     TRY(asdic_folder_prepare(m->ctx, m->folder, force, false));
