@@ -101,6 +101,9 @@ def test_the_same_bytes_whole_resumed_and_in_parts():
         part = files(folder / "p1")
         says(asdic("merge", folder / "p1", folder / "p2", "-o", folder / "p1/.", "--force"), 2, "one of the parts")
         tap.equal(files(folder / "p1") == part, True, "a part that the result would replace stays")
+        os.rename(folder / "p1/polar/masks/000001.png", folder / "mask.png")
+        says(asdic("merge", folder / "p2", folder / "p1", "-o", folder / "merged", "--force"), 3,
+             "p1/polar/masks/000001.png: cannot open")
         os.remove(folder / "p1/frames/000001.txt")
         says(asdic("merge", folder / "p2", folder / "p1", "-o", folder / "m2"), 3, "frame 1 is in none of the parts")
         says(asdic("merge", folder / "p2", folder / "p1", "-o", folder / "merged", "--force"), 3, "frame 1 is in none")

@@ -311,6 +311,20 @@ static asdic_status copy_frame(asdic_context *ctx, const char *part, const char 
     return ASDIC_OK;
 }
 
+static asdic_status check_frame(asdic_context *ctx, const char *part, size_t index) {
+    char path[4096];
+    for (size_t i = 0; i < FOLDERS; i++) {
+        if (folders[i].extension) {
+            asdic_frame_path(path, part, folders[i].name, index, folders[i].extension);
+            if (access(path, R_OK) != 0) {
+                return asdic_fail(ctx, ASDIC_ERROR_INPUT, "%s: cannot open: %s", path,
+                                  strerror(errno));
+            }
+        }
+    }
+    return ASDIC_OK;
+}
+
 /* All frames must be there, and in other folders than OUT, before what is in OUT is replaced. */
 static asdic_status check_parts(asdic_context *ctx, const char *const *parts, size_t count,
                                 const char *out, size_t frames) {
@@ -323,6 +337,7 @@ static asdic_status check_parts(asdic_context *ctx, const char *const *parts, si
     for (size_t k = 0; k < frames; k++) {
         const char *found = NULL;
         TRY(find_part(ctx, parts, count, k, &found));
+        TRY(check_frame(ctx, found, k));
     }
     return ASDIC_OK;
 }
