@@ -190,17 +190,22 @@ asdic_status asdic_mission_place_at(const asdic_mission *mission, asdic_simulato
     return ASDIC_OK;
 }
 
+static int by_name(const void *name, const void *motion) {
+    return strcmp(name, ((const asdic_motion *)motion)->name);
+}
+
+const asdic_track *asdic_mission_track_of(const asdic_mission *mission, const char *name) {
+    const asdic_motion *found = mission->motion_count
+                                    ? bsearch(name, mission->motions, mission->motion_count,
+                                              sizeof *mission->motions, by_name)
+                                    : NULL;
+    return found ? found->track : NULL;
+}
+
 asdic_pose asdic_mission_object_pose(const asdic_mission *mission, size_t object, size_t index) {
     const asdic_mission_object *o = asdic_mission_get_object(mission, object);
-    if (!o) {
-        return (asdic_pose){0};
-    }
-    for (size_t i = 0; o->moves && i < mission->motion_count; i++) {
-        if (strcmp(mission->motions[i].name, o->name) == 0) {
-            return asdic_track_pose(mission->motions[i].track, time_of(mission, index));
-        }
-    }
-    return o->pose;
+    const asdic_track *track = o && o->moves ? asdic_mission_track_of(mission, o->name) : NULL;
+    return track ? asdic_track_pose(track, time_of(mission, index)) : o ? o->pose : (asdic_pose){0};
 }
 
 asdic_flat_scene asdic_mission_flat_scene(const asdic_mission *mission, size_t index) {

@@ -30,7 +30,7 @@ struct asdic_mission {
     asdic_scene *scene;
     asdic_mission_object *objects;
     size_t object_count;
-    asdic_motion *motions; /* in the order of the file */
+    asdic_motion *motions; /* by name */
     size_t motion_count;
     asdic_material bottom; /* without a law where there is none */
     const double **rows;   /* of the files that materials name */
@@ -92,6 +92,9 @@ bool asdic_mission_reaches(const asdic_mission *mission, const char *name);
 
 /* Frees the meshes of objects' files. */
 void asdic_mission_forget_meshes(asdic_mission *mission);
+
+/* Of the object NAME; NULL: it stays where it is. */
+const asdic_track *asdic_mission_track_of(const asdic_mission *mission, const char *name);
 
 /* Puts the objects that move where they are at TIME_S of the pings' clock. */
 asdic_status asdic_mission_place_at(const asdic_mission *mission, asdic_simulator *simulator,

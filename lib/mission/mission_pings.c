@@ -99,6 +99,10 @@ static size_t first_with_track(const file_object *objects, size_t i) {
     return i;
 }
 
+static int by_name(const void *a, const void *b) {
+    return strcmp(((const asdic_motion *)a)->name, ((const asdic_motion *)b)->name);
+}
+
 /* Many objects may share a track: each file is read, and its errors are reported, once. */
 static asdic_status build_motions(mission_builder *b) {
     const file_object *objects = b->file->objects.items;
@@ -122,6 +126,7 @@ static asdic_status build_motions(mission_builder *b) {
         }
         m->motion_count += motion->track != NULL;
     }
+    qsort(m->motions, m->motion_count, sizeof *m->motions, by_name);
     free(tracks);
     return status;
 }

@@ -322,12 +322,12 @@ static void remark_on_motions(mission_builder *b) {
     double first_s, last_s;
     asdic_mission_pose(m, 0, &first_s);
     asdic_mission_pose(m, m->ping_count - 1, &last_s);
-    for (size_t i = 0, k = 0; i < b->file->objects.count && k < m->motion_count; i++) {
+    for (size_t i = 0; i < b->file->objects.count; i++) {
         char text[160];
         if (!objects[i].track) {
             continue;
         }
-        const asdic_track *track = m->motions[k++].track;
+        const asdic_track *track = asdic_mission_track_of(m, objects[i].name);
         double begin_s = asdic_track_start_s(track), end_s = asdic_track_end_s(track);
         if (end_s < first_s || begin_s > last_s) {
             snprintf(text, sizeof text,

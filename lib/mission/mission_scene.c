@@ -204,13 +204,9 @@ static asdic_status build_bottom(mission_builder *b) {
 /* Where O is at the first ping. */
 static asdic_pose first_pose(const mission_builder *b, const file_object *o) {
     const asdic_mission *m = b->mission;
-    for (size_t i = 0; o->track && o->name && i < m->motion_count; i++) {
-        if (strcmp(m->motions[i].name, o->name) == 0) {
-            double start_s = m->track ? asdic_track_start_s(m->track) : 0.0;
-            return asdic_track_pose(m->motions[i].track, start_s);
-        }
-    }
-    return asdic_scene_file_place(o->position_m, o->rotation_deg);
+    const asdic_track *track = o->track && o->name ? asdic_mission_track_of(m, o->name) : NULL;
+    return track ? asdic_track_pose(track, m->track ? asdic_track_start_s(m->track) : 0.0)
+                 : asdic_scene_file_place(o->position_m, o->rotation_deg);
 }
 
 static asdic_status build_point(mission_builder *b, const file_object *o) {

@@ -26,15 +26,6 @@ struct asdic_hazards {
     bool move;
 };
 
-static const asdic_track *track_of(const asdic_mission *m, const char *name) {
-    for (size_t i = 0; i < m->motion_count; i++) {
-        if (strcmp(m->motions[i].name, name) == 0) {
-            return m->motions[i].track;
-        }
-    }
-    return NULL;
-}
-
 asdic_status asdic_hazards_create(const asdic_mission *mission, asdic_hazards **out) {
     const asdic_scene *scene = mission->scene;
     size_t movables = scene->movable_count, count = movables + scene->point_count;
@@ -50,12 +41,13 @@ asdic_status asdic_hazards_create(const asdic_mission *mission, asdic_hazards **
     }
     for (size_t i = 0; i < movables; i++) {
         const asdic_movable *m = &scene->movables[i];
-        h->movers[i] = (mover){m->pose, track_of(mission, scene->parts[m->part].name)};
+        h->movers[i] =
+            (mover){m->pose, asdic_mission_track_of(mission, scene->parts[m->part].name)};
     }
     for (size_t i = 0; i < scene->point_count; i++) {
         const asdic_point *point = &scene->points[i];
-        h->movers[movables + i] =
-            (mover){{.position_m = point->position_m}, track_of(mission, point->name)};
+        h->movers[movables + i] = (mover){{.position_m = point->position_m},
+                                          asdic_mission_track_of(mission, point->name)};
     }
     for (size_t i = 0; i < count; i++) {
         h->move = h->move || h->movers[i].track;

@@ -137,6 +137,31 @@ def test_routes_are_kept_and_drawn():
         asdic("render", folder / "r").check(code=0)
 
 
+def test_routes_of_many_objects_are_as_long_as_can_be_drawn():
+    """A thousand of them share what is kept; each is where its track has it, from the first ping to the last."""
+    program.need_device()
+    shoal = [f"fish_{i}" for i in range(1000)]
+    with Folder() as folder:
+        path = moving(folder, pings=700, rays=64)
+        text = folder.read("moving.yaml").replace("    track: ball.csv", "    track: fish.csv").replace(
+            FISH, "".join(f"  - {{name: {name}, point: -60, track: {name[-1]}.csv}}\n" for name in shoal) + "sonar:")
+        for i in range(10):
+            folder.write(f"{i}.csv", BALL_TRACK.splitlines()[0] + f"\n0,9,{i},5,0,0,0\n34.95,79,{i},5,0,0,0\n")
+        folder.write("moving.yaml", text)
+        asdic("run", path, "--pings", "0", "-o", folder / "r").check(code=0)
+        routes = {}
+        for name, *numbers in csv.reader(data(folder, "r", "routes.csv").decode().splitlines()[1:]):
+            routes.setdefault(name, []).append([float(number) for number in numbers])
+        tap.equal(sorted(routes), sorted(shoal + ["ball"]))
+        for name in shoal:
+            tap.equal((routes[name][0][0], routes[name][-1][0]), (0, 34.95), name)
+            tap.equal(100 < len(routes[name]) < 264, True, f"{len(routes[name])} points of {name}")
+            for time_s, north_m, east_m, yaw_deg in routes[name]:
+                where = (abs(north_m - 9 - 2.0028612 * time_s) < 2e-3, east_m, yaw_deg)
+                tap.equal(where, (True, int(name[-1]), 0), name)
+        asdic("render", folder / "r", "--images", "plan").check(code=0)
+
+
 def replace(folder, name, text):
     """The file NAME in the run r, of which run.json states length and sum."""
     def stated(body):

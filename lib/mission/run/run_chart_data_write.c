@@ -18,8 +18,9 @@
 
 /* At most as many cells along a side of the terrain. */
 #define MOST_CELLS 600
-/* At most as many points of an object's route, and the last one. */
+/* At most as many points of an object's route, and of all routes, and the last one of each. */
 #define MOST_POINTS 512
+#define MOST_POINTS_IN_ALL 262144
 #define MAX_BYTES ((size_t)64 << 20)
 
 typedef struct extent {
@@ -158,7 +159,9 @@ static asdic_status write_objects(asdic_context *ctx, const asdic_mission *missi
 }
 
 static void put_route(FILE *stream, const asdic_mission *mission, size_t object) {
-    size_t last = asdic_mission_ping_count(mission) - 1, every = last / MOST_POINTS + 1;
+    size_t most = MOST_POINTS_IN_ALL / mission->motion_count;
+    most = most < MOST_POINTS ? most : MOST_POINTS;
+    size_t last = asdic_mission_ping_count(mission) - 1, every = last / most + 1;
     for (size_t i = 0; i <= last; i = i + every < last || i == last ? i + every : last) {
         double time_s;
         char time[ASDIC_DIGITS_SIZE], x[ASDIC_DIGITS_SIZE], y[ASDIC_DIGITS_SIZE];
