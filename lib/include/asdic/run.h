@@ -97,8 +97,9 @@ ASDIC_API asdic_status asdic_run_render_frames(asdic_context *ctx, const char *f
 /* Lays the fans of all pings on one map, north up, into the PNG file OPTIONS->path, and beside it
  * the world file .pgw, which GIS programs place it by (x east, y north, metres). A cell of CELL_M
  * (0: as long as a bin, or larger) has the mean intensity of the pings that saw it, white where
- * none did. Places are taken to lie as deep as the bottom straight below the vehicle, and the
- * vehicle level. Levels have the gain that OPTIONS give, else 30 log r + 2 alpha r. */
+ * none did. Places are taken to lie as deep as the run's terrain or its flat bottom, and rays to be
+ * straight and as fast as at the sonar. Levels have the gain that OPTIONS give, else 30 log r +
+ * 2 alpha r. */
 ASDIC_API asdic_status asdic_run_mosaic(asdic_context *ctx, const char *folder, double cell_m,
                                         const asdic_render_options *options);
 
