@@ -1,6 +1,8 @@
 """Bad input, and objects used in ways nobody should: one clear exception each, and no crash."""
+import copy
 import gc
 import os
+import pickle
 import subprocess
 import sys
 import tempfile
@@ -341,6 +343,27 @@ def test_fork():
     tap.equal(os.waitpid(child, 0)[1], 0, "the child's end")
     tap.equal(said, "ClosedError True; DeviceError True; ClosedError True; True", "what the child heard")
     tap.equal(sonar.ping(0, 0, 5).index, 1, "the parent works on")
+
+
+def test_what_other_processes_take():
+    """Scenes, with their meshes, and runs; of the rest one sentence says that it is of this process."""
+    need_device()
+    scene = pool()
+    scene.add_mesh(np.array(CORNERS) + [9, 0, 6], FACET, name="facet")
+    for twin in pickle.loads(pickle.dumps(scene)), copy.deepcopy(scene):
+        tap.equal(twin.to_json(), scene.to_json())
+        with asdic.Simulator(twin, rays=200) as one, asdic.Simulator(scene, rays=200) as other:
+            tap.equal(one.ping(0, 0, 5).intensity["object"].tobytes(), other.ping(0, 0, 5).intensity["object"].tobytes())
+            raises(TypeError, "of this process and cannot be copied or pickled", pickle.dumps, one)
+            raises(TypeError, "its arrays can, as level_db", pickle.dumps, one.ping(0, 0, 5))
+            raises(TypeError, "its arrays can, as level_db", copy.copy, one.ping(0, 0, 5))
+    twin.add_mesh(CORNERS, FACET)
+    tap.equal(len(scene.objects) + 1, len(twin.objects), "a copy's objects are its own")
+    with tempfile.TemporaryDirectory(prefix="asdic-test-") as folder:
+        run = asdic.simulate(scene, folder, pings=range(1))
+        tap.equal(pickle.loads(pickle.dumps(run)).level_db.tobytes(), run.level_db.tobytes())
+        raises(TypeError, "give simulate a folder", pickle.dumps, asdic.simulate(scene, pings=range(1)))
+        raises(TypeError, "the detect_report is of this process", pickle.dumps, run.detect())
 
 
 def test_remarks_are_warnings():

@@ -143,6 +143,10 @@ class Handle:
                        "or start processes by multiprocessing's 'spawn'")
         return pointer
 
+    def __reduce__(self) -> Any:
+        raise TypeError(f"the {self._name} is of this process and cannot be copied or pickled; other processes take scenes, "
+                        "folders and arrays")
+
     def close(self) -> None:
         self._finalizer()
 
@@ -210,6 +214,9 @@ class Context:
         lib.asdic_context_set_log(place[0], lib.ASDIC_LOG_NOTE, lib.asdic_python_log, self._log_handle)
         _CONTEXTS.add(self)
         lib.asdic_context_set_progress(place[0], lib.asdic_python_progress, self.progress_user)
+
+    def __reduce__(self) -> Any:
+        return self.handle.__reduce__()
 
     @property
     def pointer(self) -> Any:

@@ -117,6 +117,10 @@ class Ping:
             self._struct.elements, self._struct.samples = samples
             self._struct.pressure = ffi.from_buffer("float[]", self.pressure)
 
+    def __reduce__(self) -> Any:
+        raise TypeError("a ping lies in memory that the library writes into and cannot be copied or pickled; its arrays "
+                        "can, as level_db")
+
     def _add_truth(self, shape: tuple[int, int]) -> None:
         self.truth = {name: np.zeros(shape, np.int16 if name in ("strongest", "object") else np.float32)
                       for name in TRUTH}
@@ -407,6 +411,9 @@ class Simulator:
 
     def __exit__(self, *_: object) -> None:
         self.close()
+
+    def __reduce__(self) -> Any:
+        return self._handle.__reduce__()
 
     def __repr__(self) -> str:
         return f"<asdic.Simulator: {len(self.beams)} beams, {self.bins} bins, {self.rays} rays, {self.index} pings so far>"

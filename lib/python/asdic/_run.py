@@ -107,6 +107,7 @@ class Run:
 
     def __init__(self, folder: Folder, *, _keep: Any = None) -> None:
         self.folder = os.fspath(folder)
+        self._keep = _keep
         self._context = Context()
         self._run = self._context.make("asdic_run", lib.asdic_run_close, lib.asdic_run_open, self._context.pointer,
                                        encoded(folder, "folder"), keeps=(_keep,))
@@ -119,6 +120,11 @@ class Run:
         self.records: np.ndarray = records
         """Everything, a structured array of a record a ping, as in pings.npy."""
         self.beams = beams_of(info.sonar)
+
+    def __reduce__(self) -> Any:
+        if self._keep:
+            raise TypeError("a run in a temporary folder goes with its process; give simulate a folder")
+        return Run, (os.path.abspath(self.folder),)
 
     def _info(self) -> Any:
         return lib.asdic_run_get_info(self._run.pointer)

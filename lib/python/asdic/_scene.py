@@ -96,6 +96,16 @@ class Scene:
         self._context = Context()
         self._more: dict[str, Any] = {}  # sections of a file that are no arguments here
 
+    def __getstate__(self) -> dict[str, Any]:
+        """For copies and other processes: all but what is of this one."""
+        meshes = {name: arrays for name, (_, *arrays) in self._meshes.items()}
+        return {**{name: value for name, value in vars(self).items() if name != "_context"}, "_meshes": meshes}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        vars(self).update(state, _context=Context(), _meshes={})
+        for arrays in state["_meshes"].values():
+            self._keep(*arrays)
+
     @classmethod
     def open(cls, path: str | os.PathLike[str]) -> Scene:
         """The scene of a file, to be changed and added to. Files that it names are looked for where it is."""
