@@ -504,6 +504,10 @@ def test_no_force_replaces_what_the_scene_reads():
         for where in (folder.path, folder / "."):
             done = asdic("run", flown, "-o", where, "--force").check(code=1)
             tap.contains(done.err, "track.csv', which the scene reads, is in")
+        asdic("run", flown, "-o", folder / "part").check(code=0)
+        for where in (folder.path, folder / "."):
+            done = asdic("merge", folder / "part", "-o", where, "--force").check(code=1)
+            tap.contains(done.err, "track.csv', which the scene reads, is in")
         asdic("run", path, "-o", folder / "r").check(code=0)
         os.remove(folder / "r/track.csv")
         os.symlink(track, folder / "r/track.csv")  # the link is the run's to replace, but for this scene
