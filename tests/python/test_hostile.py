@@ -366,6 +366,26 @@ def test_what_other_processes_take():
         raises(TypeError, "the detect_report is of this process", pickle.dumps, run.detect())
 
 
+def test_what_a_stopped_run_lacks():
+    need_device()
+
+    def stop(what, done, _):
+        if what == "pings" and done > 0:
+            raise OverflowError("enough")
+
+    with tempfile.TemporaryDirectory(prefix="asdic-test-") as folder:
+        scene = pool(mission={"pose": {"position_m": [0, 0, 5]}, "pings": 2000}, output={"truth": True, "images": []})
+        raises(OverflowError, "enough", asdic.simulate, scene, folder, progress=stop)
+        run = asdic.Run(folder)
+        tap.equal(0 < len(run) < 2000, True, f"{len(run)} pings")
+        tap.equal((len(run.truth), len(run.level_db)), (len(run), len(run)))
+        raises(asdic.InputError, "true}, and it comes with the last ping, before which this run was stopped",
+               lambda: run.pressure)
+        whole = asdic.simulate(scene, folder, pings=range(2), force=True)
+        error = raises(asdic.InputError, "elements.npy is not there", lambda: whole.pressure)
+        tap.equal("stopped" in str(error), False, error)
+
+
 def test_remarks_are_warnings():
     import warnings  # pylint: disable=import-outside-toplevel
     with warnings.catch_warnings(record=True) as said:

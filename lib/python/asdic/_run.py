@@ -181,7 +181,9 @@ class Run:
         try:
             array: np.ndarray = np.load(path, mmap_mode="r")
         except FileNotFoundError as error:
-            raise fail(InputError, f"{path} is not there; the scene asks for it by output: {{{key}: true}}") from error
+            stopped = len(self) < self._info().pings_planned
+            why = ", and it comes with the last ping, before which this run was stopped" if stopped else ""
+            raise fail(InputError, f"{path} is not there; the scene asks for it by output: {{{key}: true}}{why}") from error
         except (OSError, ValueError) as error:
             raise fail(InputError, f"{path}: {error}") from error
         return array
