@@ -9,6 +9,7 @@
 #include <asdic/ping.h>
 
 #include "base/vec.h"
+#include "ring.h"
 
 #include <math.h>
 
@@ -27,27 +28,51 @@ static double width_rad(double length_wl) {
     return 2.0 * asin(fmin(sine, 1.0));
 }
 
-/* From one angle to another by the shorter way. Few aims differ by more than half a turn, and a
- * remainder takes twenty times as long as all else of a pair of beams. */
-static double turn_rad(double from_rad, double to_rad) {
-    double turn = to_rad - from_rad;
-    return fabs(turn) > ASDIC_PI ? remainder(turn, 2.0 * ASDIC_PI) : turn;
+/* A beam, and how near the nearest other one is, in half-power widths, squared; 1: it is alone. */
+typedef struct own_beam {
+    asdic_face face;
+    double wide, high, nearest2;
+} own_beam;
+
+/* Sides, not yaw and pitch, tell how far one beam is from another: in a fan that looks down, or is
+ * rolled, the narrow one lies along neither. Sines bound the angles, and spare most pairs the
+ * arcs. */
+static void meet(own_beam *own, asdic_vec3 axis) {
+    asdic_vec3 v = asdic_mat3_apply(own->face.world_to_face, axis);
+    double across = v.y / own->wide, down = v.z / own->high;
+    if (across * across + down * down < own->nearest2) {
+        across = atan2(v.y, v.x) / own->wide;
+        down = asin(fmin(fmax(v.z, -1.0), 1.0)) / own->high;
+        own->nearest2 = fmin(own->nearest2, across * across + down * down);
+    }
 }
 
-/* How much of beam A the nearest other beam leaves to it, 0 to 1. */
-static double share_of(const asdic_sonar *sonar, size_t a, double wavelength_m) {
-    const asdic_beam *own = &sonar->receivers[a];
-    double wide = width_rad(own->length_h_m / wavelength_m);
-    double high = width_rad(own->length_v_m / wavelength_m), nearest2 = 1.0;
-    double level = cos(own->pitch_rad);
-    for (size_t b = 0; b < sonar->receiver_count; b++) {
-        const asdic_beam *other = &sonar->receivers[b];
-        double across = turn_rad(own->yaw_rad, other->yaw_rad) * level / wide;
-        double down = turn_rad(own->pitch_rad, other->pitch_rad) / high;
-        double off2 = across * across + down * down;
-        nearest2 = b != a && off2 < nearest2 ? off2 : nearest2;
+/* Beams of a block are compared with all together, so that those are aimed once a block. */
+#define BLOCK 64
+
+/* What the nearest other beam leaves of each beam, 0 to 1, summed over COUNT beams from FIRST. */
+static double apart_in_block(const asdic_sonar *sonar, double wavelength_m, size_t first,
+                             size_t count) {
+    const asdic_pose level = {0};
+    own_beam own[BLOCK];
+    for (size_t k = 0; k < count; k++) {
+        asdic_face face = asdic_face_aim(&sonar->receivers[first + k], &level, wavelength_m);
+        own[k] = (own_beam){face, width_rad(face.length_h_wl), width_rad(face.length_v_wl), 1.0};
     }
-    return sqrt(nearest2);
+    for (size_t b = 0; b < sonar->receiver_count; b++) {
+        asdic_face other = asdic_face_aim(&sonar->receivers[b], &level, wavelength_m);
+        const double *axis = other.world_to_face.m[0];
+        for (size_t k = 0; k < count; k++) {
+            if (first + k != b) {
+                meet(&own[k], (asdic_vec3){axis[0], axis[1], axis[2]});
+            }
+        }
+    }
+    double apart = 0.0;
+    for (size_t k = 0; k < count; k++) {
+        apart += sqrt(own[k].nearest2);
+    }
+    return apart;
 }
 
 /* Rays for AUTO_DB without limits; 0 of no sonar. */
@@ -56,8 +81,10 @@ static double rays_needed(const asdic_sonar *sonar, double sound_speed_mps, bool
         return 0.0;
     }
     double beams = 0.0;
-    for (size_t r = 0; r < sonar->receiver_count; r++) {
-        beams += share_of(sonar, r, sound_speed_mps / sonar->frequency_hz);
+    for (size_t first = 0; first < sonar->receiver_count; first += BLOCK) {
+        size_t left = sonar->receiver_count - first;
+        beams += apart_in_block(sonar, sound_speed_mps / sonar->frequency_hz, first,
+                                left < BLOCK ? left : BLOCK);
     }
     double cells = beams * (double)asdic_sonar_bin_count(sonar, sound_speed_mps);
     return meshes ? fmax(fmin(cells * OVER_MESHES_OF_FEW, MOST_OF_FEW), cells * OVER_MESHES)

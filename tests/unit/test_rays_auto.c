@@ -6,6 +6,8 @@
 
 #include <asdic/ping.h>
 
+#include "base/vec.h"
+
 #define MOST 512
 #define SPEED 1500.0
 
@@ -63,6 +65,43 @@ static void meshes_ask_for_more(void **state) {
     assert_int_equal(rays_of(100, 120.0, 0.0, 15.0, true), 480000); /* 32 a cell */
 }
 
+/* A fan that is turned as a whole has as many beams that do not overlap: that of an echo sounder,
+ * whose plane is across, one on its side, one whose apertures lie along the other side. */
+static void the_way_a_fan_looks_does_not_count(void **state) {
+    (void)state;
+    asdic_beam beams[256];
+    asdic_sonar sonar = asdic_sonar_default();
+    sonar.receivers = beams;
+    sonar.receiver_count = 256;
+    sonar.bin_length_m = 0.1;
+    sonar.ping_rate_hz = SPEED / (2.0 * 50.0);
+    uint32_t rays[4];
+    for (int way = 0; way < 4; way++) {
+        for (size_t i = 0; i < 256; i++) {
+            double off = (((double)i + 0.5) / 256.0 - 0.5) * 2.4, half_turn = 0.5 * ASDIC_PI;
+            beams[i] = sonar.transmitter;
+            beams[i].length_h_m = 0.75;
+            if (way == 0) {
+                beams[i].yaw_rad = off;
+            } else if (way == 1) { /* the fan's plane is down and to both sides */
+                beams[i].pitch_rad = half_turn - fabs(off);
+                beams[i].yaw_rad = off > 0.0 ? half_turn : -half_turn;
+                beams[i].roll_rad = off > 0.0 ? -half_turn : half_turn;
+            } else { /* up and down ahead */
+                beams[i].pitch_rad = off;
+                beams[i].roll_rad = way == 2 ? half_turn : 0.0;
+                beams[i].length_h_m = way == 2 ? 0.75 : sonar.transmitter.length_h_m;
+                beams[i].length_v_m = way == 2 ? sonar.transmitter.length_v_m : 0.75;
+            }
+        }
+        rays[way] = asdic_rays_auto(&sonar, SPEED, false);
+    }
+    assert_in_range(rays[0], 271000, 280000); /* 4 x 500 bins x 2.4 rad of 1.02 degrees */
+    for (int way = 1; way < 4; way++) {
+        assert_int_equal(rays[way], rays[0]);
+    }
+}
+
 /* Four times the rays, half the error; 0.5 dB where nothing limits the number. */
 static void error_is_foretold(void **state) {
     (void)state;
@@ -87,6 +126,7 @@ int main(void) {
         cmocka_unit_test(range_counts),
         cmocka_unit_test(limits),
         cmocka_unit_test(meshes_ask_for_more),
+        cmocka_unit_test(the_way_a_fan_looks_does_not_count),
         cmocka_unit_test(error_is_foretold),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
