@@ -16,6 +16,12 @@
 #define ARRIVAL_SETS                                                                               \
     ((size_t)(DEV_ARRIVAL_SETS(ASDIC_HAS_MIRRORS, ASDIC_LAYERS && ASDIC_HAS_WATER)))
 
+/* In dev_ray.source of a mirror ray: what its mirror is, whether that is a plane without triangles, and the slot of the
+ * sonar's ray. That ray may have been traced on behind the plane, to a triangle that it has not met. */
+#define MIRROR_KIND_SHIFT 29u
+#define MIRROR_IS_PLANE 0x10000000u
+#define MIRROR_SLOT_MASK 0x0fffffffu
+
 /* Slots of a piece, which is one work-item's share. Vectors need neighbours; GPUs need many work-items. */
 #if ASDIC_WIDTH == 1
 #define PIECE 1u
@@ -145,9 +151,8 @@ static uint reflect(const world *w, const meeting *m, const ray *r, real share,
         }
 #endif
         uint source = slot + lane;
-#if ASDIC_TRUTH
-        source |= AT(m->kind, const uint) << TRUTH_KIND_SHIFT;
-#endif
+        source |= AT(m->kind, const uint) << MIRROR_KIND_SHIFT;
+        source |= AT(m->triangle, const uint) == NO_RAY ? MIRROR_IS_PLANE : 0u;
         store->rays[at] = lane_ray(&from, &along_it, t_max, source, lane);
 #if ASDIC_LAYERS
         float pace = AT(next.pace, float), a1 = pace * AT(next.along, float),

@@ -183,11 +183,9 @@ static void forget_rims(const world *w, __global const dev_ray *bounced,
     }
     triple at = ray_point(r, t), going = ray_direction(r, t);
     LANES {
-        uint source = bounced[slot + lane].source;
-#if ASDIC_TRUTH
-        source = source == NO_RAY ? source : source & TRUTH_SLOT_MASK;
-#endif
-        uint from = source == NO_RAY ? NO_RAY : sonar_hits[source].triangle;
+        uint source = bounced[slot + lane].source; /* NO_RAY is a plane's, too */
+        uint from =
+            source & MIRROR_IS_PLANE ? NO_RAY : sonar_hits[source & MIRROR_SLOT_MASK].triangle;
         uint to = hits[slot + lane].triangle;
         if (from == NO_RAY || to == NO_RAY || AT(t, float) <= 0.0f) {
             continue;
@@ -465,12 +463,12 @@ APART static uint shade_bounces(const world *w, const bounce_store *store, const
         float4 what = store->mirrors[mirror];
         uint source = store->bounced[mirror].source;
 #if ASDIC_TRUTH
-        uint kind = source >> TRUTH_KIND_SHIFT;
+        uint kind = source >> MIRROR_KIND_SHIFT;
         AT(along.truth_row, uint) = kind == DEV_KIND_SURFACE  ? DEV_TRUTH_BY_SURFACE
                                     : kind == DEV_KIND_BOTTOM ? DEV_TRUTH_BY_BOTTOM
                                                               : 0u;
-        source &= TRUTH_SLOT_MASK;
 #endif
+        source &= MIRROR_SLOT_MASK;
         AT(way.on, int) = own == NO_RAY ? 0 : -1;
         AT(way.mirrors, uint) = mirror;
         AT(sources, uint) = source;

@@ -22,9 +22,6 @@
 #define TRUTH_SINE_SHIFT (DEV_TRUTH_ROW_BITS + 1u)
 #define TRUTH_SINE_MOST 1048575.0f
 
-/* What a mirror is, for rays that go on from it: above the slots in dev_ray.source. */
-#define TRUTH_KIND_SHIFT 29u
-#define TRUTH_SLOT_MASK 0x0fffffffu
 
 static inline uint truth_row(uint word) {
     return word >> 1u & ((1u << DEV_TRUTH_ROW_BITS) - 1u);

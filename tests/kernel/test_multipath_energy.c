@@ -120,6 +120,29 @@ static void a_convex_body_shows_nothing_of_itself(void **state) {
     }
 }
 
+/* A post that goes on below the bottom: what is buried is neither heard nor in the way. */
+static void what_is_buried_hides_nothing(void **state) {
+    (void)state;
+    double sum[2];
+    for (int buried = 0; buried < 2; buried++) {
+        target_rig r = open_sea(40.0);
+        asdic_mesh *mesh = NULL;
+        double height_m = buried ? 8.0 : 2.0; /* its top 2 m above the bottom */
+        r.sampling.multipath = ASDIC_MULTIPATH_BOUNDARIES;
+        r.sampling.rays = 1 << 17;
+        assert_ok(t.ctx, asdic_scene_set_bottom_plane(r.scene, 104.0, sand()));
+        assert_ok(t.ctx, asdic_mesh_box(t.ctx, (asdic_vec3){1.0, 4.0, height_m}, &mesh));
+        add(&r, mesh, (asdic_vec3){30.0, 0.0, 2.0 + 0.5 * height_m}, 0.0, 0.0, sand());
+        asdic_ping *ping = shoot(&r);
+        sum[buried] = energy(ping, ASDIC_MULTIPATH, 0.0, INFINITY);
+        asdic_ping_destroy(&ping);
+        target_rig_destroy(&r);
+    }
+    print_message("by way of the bottom %.3f dB more where buried\n", db(sum[1] / sum[0]));
+    assert_true(sum[0] > 0.0);
+    assert_close(sum[1] / sum[0], 1.0, 0.01);
+}
+
 int main(void) {
     t = test_device_open_or_skip();
     const struct CMUnitTest tests[] = {
@@ -127,6 +150,7 @@ int main(void) {
         cmocka_unit_test(no_more_leaves_than_arrives),
         cmocka_unit_test(boundary_formulas_meet_their_limits),
         cmocka_unit_test(a_convex_body_shows_nothing_of_itself),
+        cmocka_unit_test(what_is_buried_hides_nothing),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     test_device_close(&t);
