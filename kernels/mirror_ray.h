@@ -36,9 +36,10 @@ static uint slot_after(uint slot, uint step, uint end) {
 }
 
 /* Moves the start P of a secondary ray off the surface that it leaves, to SIDE of its normal, by more than
- * the rounding of coordinates. */
-static triple clear_of(triple p, triple normal, real side) {
-    real off = R(1e-4) + R(1e-6) * r_max(r_max(r_abs(p.x), r_abs(p.y)), r_abs(p.z));
+ * the rounding of coordinates, those of triangles in layers included. */
+static triple clear_of(const world *w, triple p, triple normal, real side) {
+    real farthest = r_max(r_max(r_abs(p.x), r_abs(p.y)), r_abs(p.z) + (real)(w->ping->shift_m));
+    real off = R(1e-4) + R(1e-6) * farthest;
     triple clear = {p.x + side * off * normal.x, p.y + side * off * normal.y,
                     p.z + side * off * normal.z};
     return clear;
@@ -122,7 +123,7 @@ static uint reflect(const world *w, const meeting *m, const ray *r, real share,
      * body, it is dropped. */
     real side = choose(dot3(m->facet, u) > R(0.0), R(-1.0), R(1.0));
     mirror &= side * dot3(m->facet, to) > R(0.0);
-    triple start = clear_of(ray_point(r, choose(mirror, m->traced, R(0.0))), m->facet, side);
+    triple start = clear_of(w, ray_point(r, choose(mirror, m->traced, R(0.0))), m->facet, side);
     /* The farthest d2 with d1 + d2 + d3 <= 2 range, whatever the mirror ray meets. */
     real farthest = ray_mirror_reach(R(2.0) * reach - d1, d1, dot3(u, to));
     farthest = r_min(farthest * (real)(RAY_MIRROR_ROOM), reach);

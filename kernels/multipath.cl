@@ -230,7 +230,7 @@ static uint connect_rays(const world *w, __global const dev_ray *bounced,
     }
     real t2 = choose(met, m.t, R(0.0)), range = ray_range(&r, t2);
     real along = dot3(m.facet, ray_direction(&r, t2));
-    triple x = clear_of(ray_point(&r, choose(met, m.traced, R(0.0))), m.facet,
+    triple x = clear_of(w, ray_point(&r, choose(met, m.traced, R(0.0))), m.facet,
                         choose(along > R(0.0), R(-1.0), R(1.0)));
     real pace = r.pace / bent_at(&r, t2).q;
     way_home home = find_home(&sets->layers, x, sonar_of(w->ping), pace, met);
@@ -275,7 +275,7 @@ APART static uint connect_rays(const world *w, __global const dev_ray *bounced,
     }
     real t2 = choose(met, m.t, R(0.0)), d2 = ray_range(&r, t2);
     real along = dot3(m.facet, ray_direction(&r, t2));
-    triple x = clear_of(ray_point(&r, choose(met, m.traced, R(0.0))), m.facet,
+    triple x = clear_of(w, ray_point(&r, choose(met, m.traced, R(0.0))), m.facet,
                         choose(along > R(0.0), R(-1.0), R(1.0)));
     ray_way home = ray_between(x, sonar_of(w->ping), water, R(1e-6));
     triple from = ray_lift(x, water), along_it = ray_traced(&home.r, water);

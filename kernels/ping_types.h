@@ -195,6 +195,7 @@ typedef struct dev_truth_row {
 typedef struct dev_ping {
     float origin[3];           /* of the sonar in the scene frame */
     float bend_per_m;          /* of the water, over the sound speed at the scene frame's zero */
+    float shift_m;             /* the farthest that a dev_layer's triangles are moved; else 0 */
     float surface_m;           /* sonar below the surface; INFINITY: no surface */
     float bottom_m;            /* sonar above the bottom plane; INFINITY: no bottom plane */
     float blanking_m, range_m; /* received from, to */

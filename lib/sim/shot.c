@@ -235,6 +235,7 @@ static void place_sonar(const asdic_simulator *sim, const asdic_ping_shot *shot)
     ping->origin[1] = (float)origin.y;
     ping->origin[2] = (float)origin.z;
     ping->bend_per_m = (float)sim->setup.bend_per_m;
+    ping->shift_m = sim->setup.layer_count > 0 ? fabsf(sim->setup.layers[0].shift_m) : 0.0f;
     ping->surface_m = scene->has_surface ? (float)pose->position_m.z : INFINITY;
     ping->bottom_m = scene->has_bottom_plane
                          ? (float)fmax(scene->bottom_plane_depth_m - pose->position_m.z,

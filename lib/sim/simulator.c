@@ -373,12 +373,14 @@ static double round_up(double x) {
     return ldexp(ceil(8.0 * fraction), exponent - 3);
 }
 
-/* Lifted, no layer may touch another's out to REACH_M from the frame's origin: each is moved down by more than any is
- * high, rounded up so far that scenes whose poses and objects differ a little are lifted alike. */
+/* Lifted, no layer may touch another's out to REACH_M from the frame's origin. One lies below the other as it is: each is
+ * moved down by more than its triangles may stand out of it and than lifting moves them, and no farther, since a tracer
+ * rounds as coordinates are large; rounded up so far that scenes whose poses and objects differ a little are lifted
+ * alike. */
 static void part_layers(asdic_setup *setup, double reach_m) {
     const asdic_lift_room *room = &setup->lift_room;
     double wide2 = reach_m * reach_m + 0.25 * room->high_m * room->high_m;
-    double apart = round_up(1.1 * (2.0 * room->high_m + room->bend_per_m * wide2));
+    double apart = round_up(1.1 * (room->tall_m + room->bend_per_m * wide2) + NEAR_M);
     for (size_t i = 0; i < setup->layer_count; i++) {
         setup->layers[i].shift_m =
             (float)(apart * ((double)i - 0.5 * (double)(setup->layer_count - 1)));
@@ -401,8 +403,13 @@ static void place_layers(asdic_simulator *sim, const asdic_layers *layers, doubl
             size.z + fabs(depth_m - scene->origin_m.z) + asdic_sonar_max_range_m(sonar, 1500.0),
         .rays_m = asdic_sonar_max_range_m(sonar, ASDIC_SOUND_MOST_MPS) *
                   (ASDIC_SOUND_MOST_MPS / ASDIC_SOUND_LEAST_MPS),
+        .tall_m = scene->triangle_count > 0 ? scene->max_m.z - scene->min_m.z : 0.0,
         .least_m = 0.5 * hypot(size.x, size.y),
     };
+    for (size_t i = 0; i < scene->movable_count; i++) { /* however it turns */
+        double radius_m = scene->parts[scene->movables[i].part].radius_m;
+        room->tall_m = fmax(room->tall_m, 2.0 * radius_m);
+    }
     if (scene->movable_count > 0) { /* a sonar in that box hears what moves beside it */
         room->least_m = fmax(room->least_m, ASDIC_LAYERED_STEP_M) + room->rays_m;
     }

@@ -83,6 +83,7 @@ typedef struct asdic_ping_shot {
 /* How far layers lie apart that are lifted, see place_layers. */
 typedef struct asdic_lift_room {
     double high_m, bend_per_m; /* of any layer, at most */
+    double tall_m;             /* of any triangle, at most */
     double rays_m;             /* as far as any comes from the sonar */
     double reach_m, least_m;   /* none touches another so near the frame's origin; at first */
 } asdic_lift_room;

@@ -287,6 +287,47 @@ static void layers_alike_mirror_as_one(void **state) {
     }
 }
 
+/* A cast of 60 points over a box and beside a mast behind the sonar, which keeps the layers' triangles apart: there
+ * a tracer's coordinates are large. A slanting face is heard by way of the boundaries as in water that does not bend
+ * sound, and does not hide itself. */
+static void many_layers_mirror_as_none(void **state) {
+    (void)state;
+    double sum[2] = {0.0, 0.0};
+    for (int layers = 0; layers < 2; layers++) {
+        ping_rig r = bent_rig(0.0, 1u << 15);
+        asdic_mesh *mesh = NULL;
+        const asdic_pose at = {.position_m = {35.0, 0.0, 8.0}, .pitch_rad = 0.7};
+        const asdic_pose behind = {.position_m = {-30.0, 0.0, 0.0}};
+        asdic_sound_profile *cast = &r.env.sound_speed_profile;
+        r.env.sound_speed_mps = 1490.0;
+        r.env.wind_speed_kn = 2.0;
+        r.sampling.multipath = ASDIC_MULTIPATH_BOUNDARIES;
+        for (int i = 0; layers && i < 60; i++) {
+            cast->depth_m[i] = 0.1 * i;
+            cast->sound_speed_mps[i] = 1490.0 + 1e-5 * (i % 2);
+        }
+        cast->points = layers ? 60 : 0;
+        assert_ok(t.ctx, asdic_scene_set_bottom_plane(r.scene, DEPTH, asdic_material_bottom(2.0)));
+        assert_ok(t.ctx, asdic_mesh_box(t.ctx, (asdic_vec3){4.0, 8.0, 4.0}, &mesh));
+        assert_ok(t.ctx,
+                  asdic_scene_add_object(r.scene, "box", mesh, at, asdic_material_bottom(2.0)));
+        asdic_mesh_destroy(&mesh);
+        assert_ok(t.ctx, asdic_mesh_box(t.ctx, (asdic_vec3){1.0, 1.0, 120.0}, &mesh));
+        assert_ok(t.ctx, asdic_scene_add_object(r.scene, "mast", mesh, behind,
+                                                asdic_material_bottom(2.0)));
+        asdic_mesh_destroy(&mesh);
+        asdic_ping *ping = rig_shoot(&r, 0, true);
+        for (size_t n = 0; n < ping->bins; n++) {
+            sum[layers] += ping->intensity_lin[ASDIC_MULTIPATH][n];
+        }
+        asdic_ping_destroy(&ping);
+        rig_destroy(&r);
+    }
+    print_message("multipath through 60 layers %.3f dB off\n", 10.0 * log10(sum[1] / sum[0]));
+    assert_true(sum[0] > 0.0);
+    assert_close(sum[1] / sum[0], 1.0, 0.01);
+}
+
 /* A bar near the surface at 40 m, in water that bends sound down: the arc to it from a sonar as deep would rise by
  * 40^2 / (8 400) = 0.5 m, out of the water. It is heard by way of the bottom, out and back, but not across.
  * Boundaries are smooth: they send nothing back but to their nadir. */
@@ -325,6 +366,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(boundaries_mirror_as_steps_say),
         cmocka_unit_test(layers_alike_mirror_as_one),
+        cmocka_unit_test(many_layers_mirror_as_none),
         cmocka_unit_test(shadows_are_heard_by_mirrors_alone),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
