@@ -121,12 +121,50 @@ static void arguments_are_checked(void **state) {
     rig_destroy(&r);
 }
 
+/* Rays of a block of F neighbours, F a Fibonacci number, lie by azimuth: as order.h says, each once. */
+static void blocks_are_stored_by_azimuth(void **state) {
+    (void)state;
+    static const uint32_t rays[] = {64, 100, 160, 300, 700, 2000, 5000, 12000, 30000};
+    size_t odd = 0, even = 0;
+    for (size_t i = 0; i < sizeof rays / sizeof *rays; i++) {
+        ping_rig r = rig_create(&t);
+        r.sampling.rays = rays[i];
+        asdic_simulator *sim = rig_simulator(&r);
+        asdic_ping *ping = NULL;
+        assert_ok(t.ctx, asdic_ping_create(t.ctx, r.sonar.receiver_count,
+                                           asdic_simulator_bin_count(sim), &ping));
+        assert_ok(t.ctx, asdic_simulator_ping(sim, &r.pose, 0, ping));
+        const dev_ping *shot = sim->shots[0].ping;
+        uint64_t slots = (uint64_t)shot->batch.groups * shot->batch.per_group, own = 1, before = 1;
+        uint64_t block = shot->batch.order_block, inverse = shot->batch.order_inverse;
+        size_t steps = 0;
+        for (; own * own < 16 * slots; steps++) { /* the first that a packet of 16 spans evenly */
+            uint64_t next = own + before;
+            before = own;
+            own = next;
+        }
+        assert_int_equal(block, own);
+        assert_true(inverse < block);
+        assert_int_equal(inverse * before % block, 1);
+        for (uint64_t k = 0; k < 16; k++) {
+            assert_int_equal(shot->batch.order_lanes[k], k * inverse % block);
+        }
+        odd += steps % 2;
+        even += steps % 2 == 0;
+        asdic_ping_destroy(&ping);
+        asdic_simulator_destroy(&sim);
+        rig_destroy(&r);
+    }
+    assert_true(odd > 1 && even > 1);
+}
+
 int main(void) {
     t = test_device_open_or_skip();
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_batch_changes_no_byte),
         cmocka_unit_test(large_pings_go_alone),
         cmocka_unit_test(arguments_are_checked),
+        cmocka_unit_test(blocks_are_stored_by_azimuth),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     test_device_close(&t);

@@ -308,7 +308,14 @@ static void footprint_on_a_plane(void **state) {
     beam.pitch_rad = -0.5;
     assert_int_equal(asdic_footprint_find(ctx, &swath, &pose, &ground, &area), ASDIC_OK);
     assert_true(area.dashed);
-    assert_close(area.east_m[1 + 8], 7.0 + 100.0 * cos(0.5), 1e-9);
+    assert_int_equal(area.count, 1 + 17);
+    assert_close(area.north_m[0], 3.0, 1e-9); /* from the sonar */
+    assert_close(area.east_m[0], 7.0, 1e-9);
+    for (size_t i = 0; i < 17; i++) { /* to its range, from the last direction back to the first */
+        double aside = asin(HALF_POWER * 0.015 / 0.1) * (1.0 - (double)i / 8.0);
+        assert_close(area.north_m[1 + i], 3.0 - 100.0 * sin(aside), 1e-9);
+        assert_close(area.east_m[1 + i], 7.0 + 100.0 * cos(0.5) * cos(aside), 1e-9);
+    }
     asdic_footprint_finish(&area);
     /* Level, it meets the bottom by its lower edge only: as far as the range goes on the bottom. */
     beam.pitch_rad = 0.0;

@@ -74,6 +74,57 @@ static void headings_know_who_hears_them(void **state) {
     asdic_occupancy_destroy(&r.map);
 }
 
+static double within(double rad, double most_rad) {
+    return fmin(fmax(rad, -most_rad), most_rad);
+}
+
+/* Headings have the elevation, height and width of the beam of their arc that is nearest, up to 7 dB down and no
+ * steeper than 1.5 rad. */
+static void headings_have_their_beams_shape(void **state) {
+    (void)state;
+    static const double pitch_rad[] = {0.2, 0.9, -0.4}, yaw_rad[] = {0.0, 0.3, -0.2},
+                        tall_m[] = {0.1, 0.012, 0.08}, wide_m[] = {0.1, 0.06, 0.15};
+    map_rig r;
+    asdic_evidence seen = {0};
+    map_begin(&r, 3);
+    r.sonar.transmitter.length_h_m = r.sonar.transmitter.length_v_m = 1e-4;
+    for (size_t b = 0; b < 3; b++) {
+        r.beams[b].pitch_rad = pitch_rad[b];
+        r.beams[b].yaw_rad = yaw_rad[b];
+        r.beams[b].length_v_m = tall_m[b];
+        r.beams[b].length_h_m = wide_m[b];
+    }
+    const asdic_look look = look_of(&r);
+    assert_ok(ctx, asdic_evidence_create(ctx, &look, &seen));
+    assert_int_equal(seen.arcs, 3);
+    static const size_t beam_of_arc[] = {2, 1, 0}; /* by elevation in their own heights */
+    size_t shaped[3] = {0};
+    for (size_t i = 0; i < seen.arcs * seen.azimuths; i++) {
+        const asdic_heading *h = &seen.headings[i];
+        size_t b = beam_of_arc[i / seen.azimuths];
+        double at =
+            remainder((double)(i % seen.azimuths) * seen.step_rad - yaw_rad[b], 2.0 * acos(-1.0));
+        double height_rad = asdic_beam_height_rad(&r.sonar, b, SPEED);
+        double width_rad = asdic_beam_width_rad(&r.sonar, b, SPEED);
+        bool is_near = fabs(at) <= 1.5 * width_rad;
+        shaped[b] += is_near;
+        assert_close(h->elevation_rad, is_near ? pitch_rad[b] : 0.0, 1e-6);
+        assert_close(h->half_height_rad, is_near ? 0.5 * height_rad : 0.0, 1e-9);
+        assert_close(h->width_rad, is_near ? width_rad : 0.0, 1e-9);
+        if (is_near) {
+            assert_close(h->slope, tan(pitch_rad[b]), 1e-6);
+            assert_close_relative(h->slope_low, tan(within(pitch_rad[b] - 0.75 * height_rad, 1.5)),
+                                  1e-6);
+            assert_close_relative(h->slope_high, tan(within(pitch_rad[b] + 0.75 * height_rad, 1.5)),
+                                  1e-6);
+        }
+    }
+    assert_true(shaped[0] > 4 && shaped[1] > 4 && shaped[2] > 4);
+    assert_true(pitch_rad[1] + 0.75 * asdic_beam_height_rad(&r.sonar, 1, SPEED) > 1.5);
+    asdic_evidence_finish(&seen);
+    asdic_occupancy_destroy(&r.map);
+}
+
 /* A beam that looks 80 degrees down, 56 degrees tall, is asked up to 80 - 0.75 x 56 = 38 degrees down, and no heading is
  * heard farther aside or flatter; one that looks straight down is not asked. */
 static void beams_are_asked_within_their_range(void **state) {
@@ -201,6 +252,7 @@ static void k_speckle_is_weighed_by_its_shape(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(headings_know_who_hears_them),
+        cmocka_unit_test(headings_have_their_beams_shape),
         cmocka_unit_test(beams_are_asked_within_their_range),
         cmocka_unit_test(a_beam_in_a_null_is_no_better_than_others),
         cmocka_unit_test(strengths_are_averaged),

@@ -4,9 +4,12 @@
 #include "mission_rig.h"
 
 #include "base/memory_left.h"
+#include "base/sha256.h"
 #include "mission/mission.h"
 #include "mission/run/run_chart_data.h"
+#include "mission/scene_inputs.h"
 
+#include <fcntl.h>
 #include <malloc.h>
 #include <sys/stat.h>
 
@@ -541,6 +544,60 @@ static void inputs_have_one_hash(void **state) {
     mallopt(M_PERTURB, 0);
 }
 
+/* Adds what sha256sum says of TEXT. */
+static void add_sum(char *sums, const char *text) {
+    asdic_sha256_hex(text, strlen(text), sums + strlen(sums));
+}
+
+/* Whichever a scene names, in its order, beside the scene wherever it lies; no folder, and none that is not there. */
+static void files_that_a_scene_names_are_hashed(void **state) {
+    workshop *w = *state;
+    static const char *const more[] = {"sub/c.csv", "", "a.csv"};
+    char text[512], sums[600] = "", hex[65], expected[65];
+    int here = open(".", O_RDONLY);
+    assert_int_equal(mkdir(path_of(w, "sub"), 0777), 0);
+    write_file(w, "a.csv", "1");
+    write_file(w, "b.csv", "22");
+    write_file(w, "sub/c.csv", "333");
+    write_file(w, "sub/a.csv", "4444");
+    snprintf(text, sizeof text,
+             "a: b.csv\nb: [a.csv, {c: sub/c.csv}]\nd: %s/a.csv\ne: sub\nf: none.csv\ng:\nh: 5\n",
+             w->folder);
+    write_file(w, "named.yaml", text);
+    write_file(w, "sub/named.yaml", "a: [a.csv, ../b.csv]\n");
+    write_file(w, "alone.yaml", "a: 5\n");
+    add_sum(sums, "22");
+    add_sum(sums, "1");
+    add_sum(sums, "333");
+    add_sum(sums, "1");
+    for (int k = 0; k < 2; k++) { /* by its path, and from where it is */
+        const char *scene = k == 0 ? path_of(w, "named.yaml") : "named.yaml";
+        asdic_text out = {0};
+        assert_int_equal(k == 1 ? chdir(w->folder) : 0, 0);
+        assert_ok(w->ctx, asdic_scene_files_hash(w->ctx, scene, NULL, 0, &out));
+        assert_string_equal(out.data, sums);
+        asdic_text_finish(&out);
+    }
+    assert_int_equal(fchdir(here), 0);
+    assert_int_equal(close(here), 0);
+    asdic_text out = {0};
+    add_sum(sums, "333");
+    add_sum(sums, "1");
+    assert_ok(w->ctx, asdic_scene_files_hash(w->ctx, path_of(w, "named.yaml"), more, 3, &out));
+    assert_string_equal(out.data, sums);
+    asdic_text_finish(&out);
+    sums[0] = '\0';
+    add_sum(sums, "a: [a.csv, ../b.csv]\n");
+    add_sum(sums, "4444");
+    add_sum(sums, "22");
+    asdic_sha256_hex(sums, strlen(sums), expected);
+    assert_ok(w->ctx, asdic_scene_inputs_hash(w->ctx, path_of(w, "sub/named.yaml"), hex));
+    assert_string_equal(hex, expected);
+    asdic_sha256_hex("a: 5\n", 5, expected);
+    assert_ok(w->ctx, asdic_scene_inputs_hash(w->ctx, path_of(w, "alone.yaml"), hex));
+    assert_string_equal(hex, expected);
+}
+
 /* A mission keeps its bottom, and none of its objects is beyond the last. */
 static void choices_and_objects_have_limits(void **state) {
     workshop *w = *state;
@@ -627,6 +684,7 @@ int main(void) {
         cmocka_unit_test(loads_of_other_kinds),
         cmocka_unit_test(scenes_in_memory_are_whole),
         cmocka_unit_test(inputs_have_one_hash),
+        cmocka_unit_test(files_that_a_scene_names_are_hashed),
         cmocka_unit_test(choices_and_objects_have_limits),
         cmocka_unit_test(outlines_are_as_many_as_objects),
         cmocka_unit_test(scenes_beyond_the_memory_are_refused),

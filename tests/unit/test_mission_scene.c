@@ -395,12 +395,149 @@ static void programs_have_the_defaults_of_scenes(void **state) {
     asdic_mission_destroy(&m);
 }
 
+enum { REFRACTED_BINS = 10 };
+
+/* By how much totals change at PING where rays follow FORM in place of all layers: of the first, middle and last beam. */
+static double change_of(workshop *w, const asdic_mission *m, size_t ping, asdic_refraction form,
+                        const double span_m[2]) {
+    const asdic_sonar *all = asdic_mission_sonar(m);
+    asdic_sonar sonar = *all;
+    asdic_beam three[3];
+    double worst_db = 0.0;
+    sonar.receivers = three;
+    sonar.receiver_count = all->receiver_count == 5 ? 3 : 1;
+    for (size_t b = 0; b < sonar.receiver_count; b++) {
+        three[b] = all->receivers[2 * b];
+    }
+    asdic_environment env = *asdic_mission_environment(m);
+    asdic_flat_scene flat = asdic_mission_flat_scene(m, ping);
+    asdic_pose pose = asdic_mission_pose(m, ping, NULL);
+    asdic_ping *pings[2];
+    env.layer_from_m = span_m[0];
+    env.layer_to_m = span_m[1];
+    for (int k = 0; k < 2; k++) {
+        env.refraction = k == 0 ? ASDIC_REFRACTION_FULL : form;
+        assert_ok(w->ctx,
+                  asdic_ping_create(w->ctx, sonar.receiver_count, REFRACTED_BINS, &pings[k]));
+        assert_ok(w->ctx, asdic_expected_compute(w->ctx, &flat, &env, &sonar, &pose, pings[k]));
+    }
+    for (size_t i = 0; i < sonar.receiver_count * REFRACTED_BINS; i++) {
+        double x = pings[0]->intensity_lin[ASDIC_TOTAL][i];
+        double y = pings[1]->intensity_lin[ASDIC_TOTAL][i];
+        worst_db = x > 0.0 || y > 0.0 ? fmax(worst_db, fabs(10.0 * log10(x / y))) : worst_db;
+    }
+    asdic_ping_destroy(&pings[0]);
+    asdic_ping_destroy(&pings[1]);
+    return worst_db;
+}
+
+/* By what the forms change at the shallowest, deepest, first, middle and last ping, a quarter more for what lies between;
+ * the layer is fitted from the shallowest sonar to the deepest bottom, or 10 m about the sonars where there is none. */
+static void refraction_is_as_much_as_is_needed(void **state) {
+    workshop *w = *state;
+#define FAN "{fan: {count: 5, sector_deg: 120, pitch_deg: 10}}"
+#define SHALLOW "{track: shallow.csv}"
+#define DEEP "{track: deep.csv}"
+#define PLACE "{pose: {position_m: [0, 0, 4]}}"
+    static const struct {
+        const char *profile, *bottom, *receivers, *mission;
+        double span_m[2];
+        size_t worst[2]; /* pings: straight rays, one layer */
+        asdic_refraction needed;
+    } cases[] = {
+        {"[[0, 1500], [40, 1500]]",
+         "{depth_m: 25}",
+         FAN,
+         PLACE,
+         {0, 0},
+         {0, 0},
+         ASDIC_REFRACTION_OFF},
+        {"[[0, 1500], [40, 1500.001]]",
+         "{depth_m: 25}",
+         FAN,
+         PLACE,
+         {4, 25},
+         {0, 0},
+         ASDIC_REFRACTION_OFF},
+        {"[[0, 1500], [40, 1470]]",
+         "{depth_m: 25}",
+         FAN,
+         PLACE,
+         {4, 25},
+         {0, 0},
+         ASDIC_REFRACTION_LAYER},
+        {"[[0, 1500], [8, 1500], [9, 1480], [40, 1480]]",
+         "{depth_m: 25}",
+         FAN,
+         PLACE,
+         {4, 25},
+         {0, 0},
+         ASDIC_REFRACTION_FULL},
+        {"[[0, 1500], [4.5, 1480], [40, 1480]]",
+         "none",
+         "[{name: a}]",
+         SHALLOW,
+         {0, 17},
+         {2, 2},
+         ASDIC_REFRACTION_FULL},
+        {"[[0, 1480], [18, 1480], [20, 1510], [40, 1510]]",
+         "none",
+         "[{name: a}]",
+         DEEP,
+         {0, 29},
+         {2, 0},
+         ASDIC_REFRACTION_FULL},
+    };
+    write_track(w, "shallow.csv", "0,0,0,7,0,0,0\n1,1,0,6,0,0,0\n2,2,0,4,0,0,0\n3,3,0,5,0,0,0\n");
+    write_track(w, "deep.csv", "0,0,0,5,0,0,0\n1,1,0,6,0,0,0\n2,2,0,19,0,0,0\n3,3,0,6,0,0,0\n");
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[1024];
+        asdic_refraction_plan plan;
+        bool bends = cases[i].span_m[1] > 0.0;
+        snprintf(text, sizeof text,
+                 "version: 1\nenvironment: {sound_speed_profile: %s}\n"
+                 "sonar: {frequency_khz: 20, ping_rate_hz: 1, max_range_m: 40, bin_length_m: 4,\n"
+                 "  source_level_db: 220, receivers: %s}\nbottom: %s\nmission: %s\n",
+                 cases[i].profile, cases[i].receivers, cases[i].bottom, cases[i].mission);
+        asdic_mission *m = load_text(w, text);
+        assert_non_null(m);
+        assert_ok(w->ctx, asdic_mission_refraction(w->ctx, m, &plan));
+        assert_int_equal(plan.needed, cases[i].needed);
+        assert_close(plan.layer_from_m, cases[i].span_m[0], 1e-9);
+        assert_close(plan.layer_to_m, cases[i].span_m[1], 1e-9);
+        if (bends) {
+            const size_t *at = cases[i].worst;
+            const double *span_m = cases[i].span_m;
+            double off_db = change_of(w, m, at[0], ASDIC_REFRACTION_OFF, span_m);
+            double layer_db = change_of(w, m, at[1], ASDIC_REFRACTION_LAYER, span_m);
+            assert_close(plan.off_db, 1.25 * off_db, 1e-6);
+            assert_close(plan.layer_db, 1.25 * layer_db, 1e-6);
+            snprintf(text, sizeof text,
+                     "up to %.3g dB, one layer fitted from %g to %g m by up to %.3g dB",
+                     plan.off_db, cases[i].span_m[0], cases[i].span_m[1], plan.layer_db);
+            assert_contains(plan.reason, text);
+        } else {
+            assert_close(plan.off_db + plan.layer_db, 0.0, 0.0);
+            assert_contains(plan.reason, "same at all depths");
+        }
+        for (int form = 0; form <= ASDIC_REFRACTION_OFF; form++) {
+            asdic_mission_refract(m, (asdic_refraction)form);
+            const asdic_environment *e = asdic_mission_environment(m);
+            assert_int_equal(e->refraction, form);
+            assert_close(e->layer_from_m, bends ? cases[i].span_m[0] : 4.0, 1e-9);
+            assert_close(e->layer_to_m, bends ? cases[i].span_m[1] : 25.0, 1e-9);
+        }
+        asdic_mission_destroy(&m);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(shapes_are_where_they_are_put),
         cmocka_unit_test(moving_objects_are_where_they_are_first),
         cmocka_unit_test(materials_read_their_files),
         cmocka_unit_test(range_is_that_of_the_sonars_depth),
+        cmocka_unit_test(refraction_is_as_much_as_is_needed),
         cmocka_unit_test(runs_take_what_is_the_same),
         cmocka_unit_test(runs_take_no_mesh_that_is_another),
         cmocka_unit_test(runs_of_many_borrow_their_scene),

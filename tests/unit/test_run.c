@@ -698,6 +698,98 @@ static void damaged_folders_are_refused(void **state) {
     end(&f);
 }
 
+/* Puts TEXT into the place of run.json, with KEY's value WRONG, or called otherwise where that is NULL. */
+static void write_facts(const char *run_name, const char *text, const char *key,
+                        const char *wrong) {
+    char name[64], path[300], *whole = NULL;
+    snprintf(name, sizeof name, "\n  \"%s\": ", key);
+    const char *at = strstr(text, name);
+    assert_non_null(at);
+    if (wrong) {
+        assert_true(asprintf(&whole, "%.*s%s%s%s", (int)(at - text), text, name, wrong,
+                             at + strlen(name) + strcspn(at + strlen(name), ",\n")) > 0);
+    } else {
+        whole = strdup(text);
+        whole[at - text + 4] = 'X';
+    }
+    asdic_run_facts_sign(whole, strlen(whole));
+    snprintf(path, sizeof path, "%s/%s/run.json", run_rig_folder, run_name);
+    FILE *file = fopen(path, "wb");
+    fwrite(whole, 1, strlen(whole), file);
+    fclose(file);
+    free(whole);
+}
+
+static void assert_lacks(fixture *f, const char *run_name, const char *key) {
+    asdic_run *opened;
+    char says[80];
+    snprintf(says, sizeof says, "run.json' is damaged: no valid %s", key);
+    assert_int_equal(asdic_run_open(f->ctx, in_folder(run_name), &opened), ASDIC_ERROR_INPUT);
+    assert_null(opened);
+    assert_contains(asdic_context_error(f->ctx), says);
+}
+
+/* What counts something is a whole number; what every run states is missed by its name, and what runs of other
+ * versions do not state is not. */
+static void facts_are_read_whole(void **state) {
+    (void)state;
+    static const char *const counts[] = {"seed",          "rays",  "first_ping",
+                                         "pings_planned", "pings", "rays_traced",
+                                         "saturated",     "beams", "bins"},
+                             *const wrong[] = {"-1", "", "3x", "\"\"", "18446744073709551616"};
+    static const char *const needed[][2] = {{"version", "version"},
+                                            {"state", "state"},
+                                            {"scene", "path"},
+                                            {"surface", "surface"},
+                                            {"bottom", "bottom"},
+                                            {"bottom_law", "bottom_law"},
+                                            {"surface_law", "surface_law"},
+                                            {"sampler", "sampler"},
+                                            {"multipath", "multipath"},
+                                            {"bin_length_m", "bin_length_m"},
+                                            {"rays_per_s", "rays_per_s"},
+                                            {"stderr_db", "median"}};
+    static const char *const others[] = {"model_uncertainty_db",
+                                         "refraction",
+                                         "devices",
+                                         "remarks",
+                                         "terms",
+                                         "time_s",
+                                         "files",
+                                         "pictures"};
+    fixture f;
+    asdic_run *opened;
+    asdic_run_options options = asdic_run_options_default();
+    size_t length;
+    begin(&f);
+    options.count = 3;
+    assert_int_equal(run(&f, 1, options, "facts"), ASDIC_OK);
+    char *json = read_file("facts", "run.json", &length);
+    for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) {
+        for (size_t k = 0; k < sizeof wrong / sizeof *wrong; k++) {
+            write_facts("facts", json, counts[i], wrong[k]);
+            assert_lacks(&f, "facts", counts[i]);
+        }
+        write_facts("facts", json, counts[i], NULL);
+        assert_lacks(&f, "facts", counts[i]);
+    }
+    for (size_t i = 0; i < sizeof needed / sizeof *needed; i++) {
+        write_facts("facts", json, needed[i][0], NULL);
+        assert_lacks(&f, "facts", needed[i][1]);
+    }
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++) {
+        write_facts("facts", json, others[i], NULL);
+        assert_int_equal(asdic_run_open(f.ctx, in_folder("facts"), &opened), ASDIC_OK);
+        asdic_run_close(&opened);
+    }
+    write_facts("facts", json, "seed", "18446744073709551615");
+    assert_int_equal(asdic_run_open(f.ctx, in_folder("facts"), &opened), ASDIC_OK);
+    assert_true(asdic_run_get_info(opened).sampling.seed == UINT64_MAX);
+    asdic_run_close(&opened);
+    free(json);
+    end(&f);
+}
+
 /* The library's answer, unless a test says that it was built without cairo. */
 static bool is_without_cairo;
 bool __real_asdic_picture_annotated(void);
@@ -843,6 +935,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test(files_may_have_any_number),
         cmocka_unit_test(csv_reads_back_to_the_bit),
         cmocka_unit_test(damaged_folders_are_refused),
+        cmocka_unit_test(facts_are_read_whole),
         cmocka_unit_test(formats_that_a_build_lacks_are_refused),
         cmocka_unit_test(frames_are_of_single_pings),
         cmocka_unit_test(detection_makes_profiles_once),

@@ -6,6 +6,7 @@
 #include "lib/base/vec.h"
 #include "lib/scene/bvh.h"
 #include "lib/scene/lifted.h"
+#include "lib/scene/placement.h"
 #include "lib/scene/scene.h"
 #include "lib/scene/triangles.h"
 
@@ -418,6 +419,83 @@ static void what_moves_and_what_stays_are_in_the_hierarchy(void **state) {
     asdic_mesh_destroy(&plate);
 }
 
+static float largest_in(const dev_triangle *t, float largest) {
+    for (int k = 0; k < 3; k++) {
+        float one = fmaxf(fabsf(t->v0[k]), fmaxf(fabsf(t->v1[k]), fabsf(t->v2[k])));
+        largest = fmaxf(largest, one);
+    }
+    return largest;
+}
+
+/* Each triangle of what moves is where its object is, and the extent is that of the farthest corner. */
+static void what_moves_is_where_it_was_put(void **state) {
+    (void)state;
+    enum { MOVABLES = 6 };
+    asdic_mesh *sphere, *plate;
+    asdic_scene *scene;
+    asdic_placement *placement;
+    asdic_pose pose[MOVABLES];
+    check(asdic_mesh_sphere(ctx, 1.0, 12, &sphere));
+    check(asdic_mesh_plate(ctx, 1.0, 1.0, &plate));
+    check(asdic_scene_create(ctx, &scene));
+    add_hill(scene);
+    for (int i = 0; i < MOVABLES; i++) { /* beyond the bottom, each in another direction */
+        double far_m = 300.0 + 50.0 * i, side = i & 1 ? -1.0 : 1.0;
+        pose[i].position_m = (asdic_vec3){i < 4 ? side * far_m : 0.0, i < 2 ? 0.0 : -side * far_m,
+                                          i < 4 ? 10.0 : side * far_m};
+        pose[i].roll_rad = pose[i].pitch_rad = pose[i].yaw_rad = 0.0;
+    }
+    for (int i = 0; i < MOVABLES; i++) {
+        check(asdic_scene_add_moving_object(scene, "mover", i % 3 ? sphere : plate, pose[i],
+                                            asdic_material_facet(45, 1e-3, 0.1)));
+        pose[i].position_m.x += 20.0; /* what stays comes between them */
+        check(asdic_scene_add_object(scene, "stays", plate, pose[i],
+                                     asdic_material_facet(45, 1e-3, 0.1)));
+    }
+    check(asdic_scene_commit(scene));
+    float largest = 0.0f;
+    for (size_t i = 0; i < scene->triangle_count; i++) {
+        largest = largest_in(&scene->triangles[i], largest);
+    }
+    assert_close(scene->bvh.extent_m, largest, 1e-3);
+    check(asdic_placement_create(scene, &placement));
+    assert_close(placement->extent_m, largest, 1e-3);
+    for (int round = 0; round < MOVABLES; round++) { /* each is the farthest once */
+        for (int i = 0; i < MOVABLES; i++) {
+            double far_m = i == round ? 900.0 + 10.0 * i : 210.0 + 10.0 * i;
+            double at_m[3] = {i, -i, 10.0 + i};
+            at_m[i / 2] = i & 1 ? -far_m : far_m;
+            pose[i].position_m = (asdic_vec3){at_m[0], at_m[1], at_m[2]};
+            asdic_placement_move(placement, (size_t)i, &pose[i]);
+        }
+        size_t counted[MOVABLES] = {0};
+        largest = 0.0f;
+        for (size_t i = 0; i < scene->triangle_count; i++) {
+            const dev_triangle *t = asdic_placement_triangle(placement, i);
+            largest = largest_in(t, largest);
+            assert_int_equal(t->part, scene->triangles[i].part);
+            if (!scene->parts[t->part].moves) {
+                assert_ptr_equal(t, &scene->triangles[i]);
+                continue;
+            }
+            size_t own = (t->part - scene->movables[0].part) / 2;
+            asdic_vec3 corner = {t->v0[0], t->v0[1], t->v0[2]};
+            corner = asdic_vec3_add(corner, scene->origin_m);
+            assert_in_range(own, 0, MOVABLES - 1);
+            assert_true(asdic_vec3_length(asdic_vec3_sub(corner, pose[own].position_m)) < 1.01);
+            counted[own]++;
+        }
+        for (int i = 0; i < MOVABLES; i++) {
+            assert_int_equal(counted[i], (i % 3 ? sphere : plate)->triangle_count);
+        }
+        assert_close(placement->extent_m, largest, 1e-3);
+    }
+    asdic_placement_destroy(&placement);
+    asdic_scene_destroy(&scene);
+    asdic_mesh_destroy(&sphere);
+    asdic_mesh_destroy(&plate);
+}
+
 /* Near the plane between two layers, in which the same triangle is lifted to 100 m apart, it is in both, as far as
  * lifted.h says. */
 static void triangles_on_a_layers_plane_are_in_both(void **state) {
@@ -499,6 +577,7 @@ int main(void) {
         cmocka_unit_test(hierarchy_of_awkward_input),
         cmocka_unit_test(a_cut_is_the_cheapest),
         cmocka_unit_test(what_moves_and_what_stays_are_in_the_hierarchy),
+        cmocka_unit_test(what_moves_is_where_it_was_put),
         cmocka_unit_test(triangles_on_a_layers_plane_are_in_both),
         cmocka_unit_test(threads_do_not_show),
     };

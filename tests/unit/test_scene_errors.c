@@ -357,6 +357,37 @@ static void keys_must_fit_together(void **state) {
                 "[objects[0].material]\n");
 }
 
+/* How far a ping is heard before the next goes by the speed of sound at the sonar's depth. */
+static void ranges_are_those_of_the_sonars_depth(void **state) {
+    (void)state;
+    static const struct {
+        double depth_m, range_m;
+    } sonars[] = {{0, 72.5}, {0.5, 75}, {1, 77.5}, {6, 76.25}, {11, 75}};
+    for (size_t i = 0; i < sizeof sonars / sizeof *sonars; i++) {
+        for (int side = -1; side <= 1; side += 2) {
+            char text[512], error[256] = "";
+            snprintf(text, sizeof text,
+                     "version: 1\n"
+                     "environment: {sound_speed_profile: [[0, 1450], [1, 1550], [11, 1500]]}\n"
+                     "bottom: {depth_m: 12}\n"
+                     "sonar:\n"
+                     "  frequency_khz: 100\n"
+                     "  max_range_m: %g\n"
+                     "  receivers: [{name: forward}]\n"
+                     "mission: {pose: {position_m: [0, 0, %g]}}\n",
+                     sonars[i].range_m + side * 0.01, sonars[i].depth_m);
+            if (side > 0) {
+                snprintf(error, sizeof error,
+                         "6:16: error: 'max_range_m' = %.15g is more than the %.5g m that echoes "
+                         "come from before the next ping, c / (2 ping_rate_hz); lower it or "
+                         "'ping_rate_hz'  [sonar.max_range_m]\n",
+                         sonars[i].range_m + 0.01, sonars[i].range_m);
+            }
+            expect_errors(text, error);
+        }
+    }
+}
+
 #define ARRAY "  array: {elements: 32, beams: {count: 64, sector_deg: 90}}\n"
 #define RECEIVERS "  receivers:\n    - name: forward\n"
 
@@ -510,6 +541,7 @@ int main(void) {
         cmocka_unit_test(points_and_presets_are_checked),
         cmocka_unit_test(names_are_fit_for_files_and_differ),
         cmocka_unit_test(keys_must_fit_together),
+        cmocka_unit_test(ranges_are_those_of_the_sonars_depth),
         cmocka_unit_test(arrays_are_checked),
         cmocka_unit_test(coherent_pings_are_checked),
         cmocka_unit_test(elements_need_coherent_pings),
