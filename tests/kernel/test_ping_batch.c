@@ -87,6 +87,18 @@ static void a_batch_changes_no_byte(void **state) {
     }
 }
 
+/* In water of several layers each ping has legs of its own. */
+static void a_batch_in_water_that_bends_changes_no_byte(void **state) {
+    (void)state;
+    ping_rig r = rig_with_everything();
+    r.env.sound_speed_profile =
+        (asdic_sound_profile){3, {0.0, 9.0, 12.0}, {1500.0, 1485.0, 1490.0}};
+    r.sampling.rays = 500;
+    r.layout.ping_batch_slots = 16384;
+    compare(&r, 14);
+    rig_destroy(&r);
+}
+
 /* Rays in several batches, and fans, go alone. */
 static void large_pings_go_alone(void **state) {
     (void)state;
@@ -162,6 +174,7 @@ int main(void) {
     t = test_device_open_or_skip();
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_batch_changes_no_byte),
+        cmocka_unit_test(a_batch_in_water_that_bends_changes_no_byte),
         cmocka_unit_test(large_pings_go_alone),
         cmocka_unit_test(arguments_are_checked),
         cmocka_unit_test(blocks_are_stored_by_azimuth),

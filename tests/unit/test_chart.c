@@ -592,6 +592,21 @@ static void overview_gain_is_of_its_bins(void **state) {
     assert_close(gain_db[3], 7.0, 0.0);
 }
 
+/* Whole tens about what is shown, ten at least, and some where nothing is. */
+static void overview_has_room_for_its_levels(void **state) {
+    (void)state;
+    static const double cases[][4] = {{NAN, NAN, 0, 10},    {-37, NAN, -40, -30},
+                                      {-40, -40, -40, -30}, {-41, 12, -50, 20},
+                                      {NAN, 20, 20, 30},    {-0.5, 0.5, -10, 10}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        double shown_db[2] = {cases[i][0], cases[i][1]}, low_db, high_db;
+        asdic_overview o = {.rows = 1, .columns = 2, .shown_db = shown_db};
+        asdic_overview_window(&o, &low_db, &high_db);
+        assert_close(low_db, cases[i][2], 0.0);
+        assert_close(high_db, cases[i][3], 0.0);
+    }
+}
+
 /* Reverberation that its gain makes rise to the last bin is no echo; a weaker one on it is. */
 static void overview_leaves_out_the_last_bin(void **state) {
     (void)state;
@@ -911,6 +926,7 @@ int main(void) {
         cmocka_unit_test(overview_keeps_the_strongest),
         cmocka_unit_test(overview_groups_many_beams),
         cmocka_unit_test(overview_gain_is_of_its_bins),
+        cmocka_unit_test(overview_has_room_for_its_levels),
         cmocka_unit_test(overview_leaves_out_the_last_bin),
         cmocka_unit_test(names_do_not_cover_what_they_name),
         cmocka_unit_test(routes_are_the_runs),

@@ -221,6 +221,27 @@ static void equal_materials_scatter_alike(void **state) {
     }
 }
 
+/* Of every law each key tells materials apart, also where one of them does not state it. */
+static void every_key_tells_materials_apart(void **state) {
+    (void)state;
+    for (size_t i = 0; i < asdic_law_count(); i++) {
+        const asdic_law *law = asdic_law_get(i);
+        asdic_material a = asdic_material_of(law);
+        for (size_t k = 0; k < asdic_law_get_info(law).model->key_count; k++) {
+            asdic_material b = a;
+            assert_true(asdic_material_equal(&a, &b));
+            b.value[k] = isnan(a.value[k]) ? 1.0 : a.value[k] + 1.0;
+            assert_false(asdic_material_equal(&a, &b));
+            assert_false(asdic_material_equal(&b, &a));
+            if (!isnan(a.value[k])) {
+                b.value[k] = NAN;
+                assert_false(asdic_material_equal(&a, &b));
+                assert_false(asdic_material_equal(&b, &a));
+            }
+        }
+    }
+}
+
 static void a_material_is_checked(void **state) {
     (void)state;
     static const double rows[] = {5, -40};
@@ -368,6 +389,7 @@ int main(void) {
         cmocka_unit_test(a_silent_surface_has_no_gain),
         cmocka_unit_test(what_is_set_is_got),
         cmocka_unit_test(equal_materials_scatter_alike),
+        cmocka_unit_test(every_key_tells_materials_apart),
         cmocka_unit_test(a_material_is_checked),
         cmocka_unit_test(kinds_of_bottom_are_fluids),
         cmocka_unit_test(mirrors_see_waves_up_to_a_metre),

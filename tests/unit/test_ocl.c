@@ -8,6 +8,7 @@
 #include <limits.h>
 #include <pthread.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -324,6 +325,66 @@ static void pocl_builds_one_program_at_a_time(void **state) {
     asdic_kernel_destroy(&kernel);
 }
 
+/* Sets NAME to VALUE; NULL: takes it out. */
+static void put_in_environment(const char *name, const char *value) {
+    assert_int_equal(value ? setenv(name, value, 1) : unsetenv(name), 0);
+}
+
+/* The folder in which PoCL keeps what it compiled is what is locked, wherever the environment has it; nothing is where
+ * there is none, or the driver is another. */
+static void the_cache_that_is_used_is_locked(void **state) {
+    (void)state;
+    static const char *const names[] = {"POCL_CACHE_DIR", "XDG_CACHE_HOME", "HOME"};
+    static const struct {
+        const char *values[3], *locked;
+    } cases[] = {{{"c", "x", "h"}, "c"},
+                 {{"", "x", "h"}, "x/pocl/kcache"},
+                 {{NULL, "x", "h"}, "x/pocl/kcache"},
+                 {{NULL, "", "h"}, "h/.cache/pocl/kcache"},
+                 {{NULL, NULL, "h"}, "h/.cache/pocl/kcache"},
+                 {{"none", "x", "h"}, NULL},
+                 {{NULL, NULL, NULL}, NULL}};
+    char folder[] = "/tmp/asdic-cache-XXXXXX", command[256], *kept[3];
+    asdic_device device = {.info = {.platform_name = "Portable Computing Language"}};
+    asdic_device other = {.info = {.platform_name = "Portable"}};
+    int here = open(".", O_RDONLY | O_DIRECTORY);
+    assert_non_null(mkdtemp(folder));
+    assert_int_equal(chdir(folder), 0);
+    assert_int_equal(system("mkdir -p c x/pocl/kcache h/.cache/pocl/kcache"), 0);
+    for (int k = 0; k < 3; k++) {
+        const char *value = getenv(names[k]);
+        kept[k] = value ? strdup(value) : NULL;
+    }
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        struct stat locked, expected;
+        for (int k = 0; k < 3; k++) {
+            put_in_environment(names[k], cases[i].values[k]);
+        }
+        int lock = asdic_build_lock(&device);
+        assert_int_equal(asdic_build_lock(&other), -1);
+        if (cases[i].locked) {
+            assert_int_equal(fstat(lock, &locked), 0);
+            assert_int_equal(stat(cases[i].locked, &expected), 0);
+            assert_true(locked.st_ino == expected.st_ino && locked.st_dev == expected.st_dev);
+            int fd = open(cases[i].locked, O_RDONLY | O_DIRECTORY);
+            assert_int_equal(flock(fd, LOCK_EX | LOCK_NB), -1);
+            asdic_build_unlock(lock);
+            assert_int_equal(flock(fd, LOCK_EX | LOCK_NB), 0);
+            close(fd);
+        } else {
+            assert_int_equal(lock, -1);
+        }
+    }
+    for (int k = 0; k < 3; k++) {
+        put_in_environment(names[k], kept[k]);
+        free(kept[k]);
+    }
+    assert_int_equal(fchdir(here), 0);
+    close(here);
+    snprintf(command, sizeof command, "rm -r %s", folder);
+    assert_int_equal(system(command), 0);
+}
+
 static void devices_split_where_the_platform_can(void **state) {
     (void)state;
     asdic_device **parts = NULL;
@@ -374,6 +435,7 @@ int main(void) {
         cmocka_unit_test_setup(compile_error_names_file_and_line, use_test_kernels),
         cmocka_unit_test_setup(missing_kernel_and_source_are_named, use_test_kernels),
         cmocka_unit_test_setup(pocl_builds_one_program_at_a_time, use_test_kernels),
+        cmocka_unit_test(the_cache_that_is_used_is_locked),
         cmocka_unit_test_setup(unknown_embedded_source_is_named, use_embedded_kernels),
         cmocka_unit_test(devices_split_where_the_platform_can),
     };

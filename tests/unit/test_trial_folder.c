@@ -651,6 +651,60 @@ static void a_team_has_parts(void **state) {
     asdic_trial_close(&t);
 }
 
+/* What process 1 sent last, once. */
+static asdic_status give_result(void *user, unsigned *from, const void **data, size_t *bytes) {
+    asdic_message *told = user;
+    static asdic_message last;
+    *from = 1;
+    *bytes = sizeof last;
+    *data = told->kind ? &last : NULL;
+    last = *told;
+    told->kind = 0;
+    return ASDIC_OK;
+}
+
+/* Process 0 joins the parts of all: in a new folder, in the place of a trial there, and of one that was stopped. */
+static void a_team_joins_its_parts(void **state) {
+    (void)state;
+    static const char *const names[] = {"joined_new", "joined_forced", "joined_resumed"};
+    char scene[200], whole[200], path[220];
+    write_file("empty.yaml", empty, "");
+    snprintf(scene, sizeof scene, "%s/empty.yaml", folder);
+    for (int k = 0; k < 3; k++) {
+        asdic_message told = {.kind = 0};
+        asdic_team teams[] = {{.rank = 0, .size = 2, .receive = give_result, .user = &told},
+                              {.rank = 1, .size = 2, .send = note_result, .user = &told}};
+        asdic_trial_options options = asdic_trial_options_default();
+        asdic_trial *t = NULL;
+        snprintf(whole, sizeof whole, "%s/%s", folder, names[k]);
+        assert_int_equal(mkdir(whole, 0777), 0);
+        if (k > 0) {
+            snprintf(path, sizeof path, "%s/trial%s.json", names[k], k == 1 ? "" : ".part");
+            write_file(path, facts, "  ]\n}\n");
+            snprintf(path, sizeof path, "%s/trial%s.csv", names[k], k == 1 ? "" : ".part");
+            write_file(path, header, rows);
+        }
+        options.scene = scene;
+        options.folder = whole;
+        options.runs = 3;
+        options.force = k == 1;
+        options.resume = k == 2;
+        for (int rank = 1; rank >= 0; rank--) {
+            options.team = &teams[rank];
+            assert_ok(ctx, asdic_trial_fly(ctx, NULL, 0, &options));
+        }
+        assert_ok(ctx, asdic_trial_open(ctx, whole, &t));
+        assert_int_equal(t->row_count, 3);
+        assert_int_equal(t->facts.count, 3);
+        assert_false(t->facts.has_rule);
+        asdic_trial_close(&t);
+        for (int rank = 0; rank < 2; rank++) {
+            snprintf(path, sizeof path, "%s/part_%d", whole, rank);
+            assert_int_not_equal(access(path, F_OK), 0);
+        }
+    }
+}
+
 /* The process 1 that cannot take part says so; what it says after that is no news. */
 static asdic_status excuse(void *user, unsigned *from, const void **data, size_t *bytes) {
     static struct {
@@ -817,8 +871,9 @@ static void a_run_again_needs_all_it_asks_for(void **state) {
 }
 
 static int end(void **state) {
-    static const char *const folders[] = {"a",           "b",    "c",     "whole", "team/part_1",
-                                          "team/part_0", "team", "again", "."};
+    static const char *const folders[] = {
+        "joined_new", "joined_forced", "joined_resumed", "a",    "b",     "c",
+        "whole",      "team/part_1",   "team/part_0",    "team", "again", "."};
     static const char *const names[] = {"trial.json",      "trial.csv",      "trial.png",
                                         "trial.part.json", "trial.part.csv", "empty.yaml",
                                         "scene.yaml",      "track.csv"};
@@ -850,6 +905,7 @@ int main(void) {
         cmocka_unit_test(parts_join_to_the_whole),
         cmocka_unit_test(parts_that_do_not_fit_are_refused),
         cmocka_unit_test(a_team_has_parts),
+        cmocka_unit_test(a_team_joins_its_parts),
         cmocka_unit_test(one_that_stays_away_is_not_waited_for),
         cmocka_unit_test(another_keeps_its_trial),
         cmocka_unit_test(the_first_failure_is_told),
