@@ -44,7 +44,7 @@ static const char rows[] = "7,0,hit,seen late,rock,10.5,100,21,0.25,3,1,12.5,30\
                            "10,1,late,,,17.5,800,28,9.5,10,0,,33\n";
 
 static void write_file(const char *name, const char *text, const char *more) {
-    char path[200];
+    char path[512];
     snprintf(path, sizeof path, "%s/%s", folder, name);
     FILE *file = fopen(path, "w");
     fprintf(file, "%s%s", text, more);
@@ -696,7 +696,7 @@ static void a_team_joins_its_parts(void **state) {
         assert_ok(ctx, asdic_trial_open(ctx, whole, &t));
         assert_int_equal(t->row_count, 3);
         assert_int_equal(t->facts.count, 3);
-        assert_false(t->facts.has_rule);
+        assert_null(t->facts.rule);
         asdic_trial_close(&t);
         for (int rank = 0; rank < 2; rank++) {
             snprintf(path, sizeof path, "%s/part_%d", whole, rank);
