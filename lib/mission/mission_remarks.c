@@ -64,10 +64,14 @@ static void remark(const asdic_model_info *info, const asdic_material *material,
 static void remark_rays(const asdic_mission *m, asdic_remarks *out) {
     asdic_ray_forecast f = asdic_mission_ray_forecast(m);
     if (f.is_rough && out->count < ASDIC_MOST_REMARKS) {
+        char more[64] = "";
+        if (f.auto_rays > f.rays) {
+            snprintf(more, sizeof more, "; 'rays: auto' would take %u", f.auto_rays);
+        }
         snprintf(out->text[out->count++], ASDIC_REMARK_SIZE,
                  "rays: %u a ping are few for this sonar and scene: expect a stated error of about "
-                 "%.1f dB r.m.s.; 'rays: auto' would take %u",
-                 f.rays, f.stderr_db, f.auto_rays);
+                 "%.1f dB r.m.s.%s",
+                 f.rays, f.stderr_db, more);
     }
 }
 

@@ -117,6 +117,11 @@ def test_rays_follow_the_sonar():
         tap.contains(few.err, "remark: rays: 500 a ping are few for this sonar")
         tap.equal(facts(folder, "few")["rays"], 500, "--rays")
         tap.contains(" ".join(facts(folder, "few")["remarks"]), "'rays: auto' would take")
+        # As many as there are at all are few for so many bins.
+        many = text.replace("count: 64", "count: 1024").replace("length_h_m: 0.3", "length_h_m: 5")
+        said = asdic("check", folder.write("many.yaml", many.replace("ping_rate_hz: 20", "ping_rate_hz: 1"))).check(0).err
+        tap.contains(said, "a ping are few for this sonar")
+        tap.lacks(said, "would take")
 
 
 def test_times_are_said():
