@@ -210,10 +210,10 @@ static bool is_quiet(program *p, char *why) {
 static bool print_ping(const asdic_trial_look *look, char **text, size_t *length) {
     const asdic_loop_ping *ping = look->ping;
     const double degree = 180.0 / CLI_PI;
-    const serve_request request = {.value = {NAN, ping->pose.position_m.x, ping->pose.position_m.y,
-                                             ping->pose.position_m.z, ping->pose.roll_rad * degree,
-                                             ping->pose.pitch_rad * degree,
-                                             ping->pose.yaw_rad * degree}};
+    const serve_request request = {
+        .value = {ping->time_s, ping->pose.position_m.x, ping->pose.position_m.y,
+                  ping->pose.position_m.z, ping->pose.roll_rad * degree,
+                  ping->pose.pitch_rad * degree, ping->pose.yaw_rad * degree}};
     const serve_answer answer = {.ping = ping, .detection = look->found};
     serve_writer writer = {.out = open_memstream(text, length),
                            .format = SERVE_JSON,

@@ -512,7 +512,7 @@ def test_progress():
     said.clear()
     with mock.patch.object(threading, "Thread", OverAtOnce):
         asdic.expect(pool(), progress=report)
-    tap.equal(said, [("beams", 1, 2), ("beams", 2, 2)], "a call that is over before anyone looks")
+    tap.equal(said, [("beams", 0, 2), ("beams", 2, 2)], "a call that is over before anyone looks")
 
     class Enough(Exception):
         pass
