@@ -304,6 +304,21 @@ asdic_status asdic_expected_compute(asdic_context *ctx, const asdic_flat_scene *
     return status;
 }
 
+static double on_grid(double x, double step) {
+    return step > 0.0 ? round(x / step) * step : x;
+}
+
+asdic_expected_place asdic_expected_place_on_grid(const asdic_flat_scene *flat,
+                                                  const asdic_pose *pose, double step_m,
+                                                  double step_rad) {
+    asdic_expected_place place = {.flat = *flat,
+                                  .pose = {.roll_rad = on_grid(pose->roll_rad, step_rad),
+                                           .pitch_rad = on_grid(pose->pitch_rad, step_rad)}};
+    place.flat.altitude_m = on_grid(flat->altitude_m, step_m);
+    place.flat.depth_m = on_grid(flat->depth_m, step_m);
+    return place;
+}
+
 static bool near(double a, double b, double share) {
     return fabs(a - b) <= share * fmax(fabs(a), 1.0);
 }

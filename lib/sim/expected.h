@@ -30,6 +30,12 @@ double asdic_flat_strength(const asdic_flat_laws *laws, bool surface, double sin
 double asdic_flat_solid_angle(const asdic_flat_scene *flat, const asdic_ring_profile *profile,
                               double d_m);
 
+/* The place over FLAT in POSE's attitude, so that places which differ by less than a step are one: heights on a grid of
+ * STEP_M, roll and pitch of STEP_RAD; as they are with a step of 0. */
+asdic_expected_place asdic_expected_place_on_grid(const asdic_flat_scene *flat,
+                                                  const asdic_pose *pose, double step_m,
+                                                  double step_rad);
+
 /* As asdic_expected_compute, for many places, to 0.01 dB: SHELF keeps the profiles of beams and
  * attitudes that come again, for which the wavelength is the nearest of a row that rises by
  * 2^(1/4096); rays that bend are fewer. */

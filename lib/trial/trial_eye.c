@@ -19,10 +19,6 @@
 /* Attitudes of which a beam's profile is kept, some 40 kB. */
 #define ATTITUDES 256
 
-static double on_grid(double x, double step) {
-    return round(x / step) * step;
-}
-
 static void forget_places(asdic_eye *eye) {
     for (size_t i = 0; i < ASDIC_EYE_PLACES; i++) {
         free(eye->places[i].total_lin);
@@ -124,14 +120,8 @@ static asdic_expected_place place_of(const asdic_eye *eye, const asdic_loop_ping
                  .bottom = eye->mission->bottom,
                  .surface = eye->mission->scene->surface}};
     asdic_loop_ping_place(ping, &place);
-    place.pose = asdic_sweep_sonar(&eye->mission->settings.sweep, &ping->pose, ping->ping);
-    place.pose.position_m = (asdic_vec3){0};
-    place.pose.yaw_rad = 0.0;
-    place.pose.pitch_rad = on_grid(place.pose.pitch_rad, STEP_RAD);
-    place.pose.roll_rad = on_grid(place.pose.roll_rad, STEP_RAD);
-    place.flat.altitude_m = on_grid(place.flat.altitude_m, STEP_M);
-    place.flat.depth_m = on_grid(place.flat.depth_m, STEP_M);
-    return place;
+    asdic_pose sonar = asdic_sweep_sonar(&eye->mission->settings.sweep, &ping->pose, ping->ping);
+    return asdic_expected_place_on_grid(&place.flat, &sonar, STEP_M, STEP_RAD);
 }
 
 static size_t slot_of(const asdic_expected_place *place) {
