@@ -7,6 +7,7 @@
 #include "base/try.h"
 #include "base/vec.h"
 #include "sim/bent_ray.h"
+#include "sim/expected.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -123,21 +124,30 @@ static asdic_status compare(comparison *c, size_t ping, asdic_refraction_plan *o
     return ASDIC_OK;
 }
 
+/* The place of PING, for what is expected there. */
+static asdic_expected_place place_at(const comparison *c, size_t ping) {
+    asdic_flat_scene flat = asdic_mission_flat_scene(c->mission, ping);
+    asdic_pose pose = asdic_mission_pose(c->mission, ping, NULL);
+    return asdic_expected_place_on_grid(&flat, &pose, 0.0, 0.0);
+}
+
 static asdic_status compare_places(comparison *c, asdic_refraction_plan *out) {
-    size_t count = asdic_mission_ping_count(c->mission), pings[PLACES];
+    size_t count = asdic_mission_ping_count(c->mission);
+    asdic_expected_place places[PLACES];
     double speed_mps =
         asdic_environment_sound_speed_mps(asdic_mission_environment(c->mission), c->span.least_m);
     size_t bins = asdic_sonar_bin_count(&c->sonar, speed_mps);
     TRY(asdic_ping_create(c->ctx, c->sonar.receiver_count, bins, &c->truth));
     TRY(asdic_ping_create(c->ctx, c->sonar.receiver_count, bins, &c->other));
     for (size_t i = 0; i < PLACES; i++) {
-        pings[i] = i == 0 ? c->span.shallow : i == 1 ? c->span.deep : (i - 2) * (count - 1) / 2;
+        size_t ping = i == 0 ? c->span.shallow : i == 1 ? c->span.deep : (i - 2) * (count - 1) / 2;
         bool is_new = true;
+        places[i] = place_at(c, ping);
         for (size_t k = 0; k < i; k++) {
-            is_new &= pings[k] != pings[i];
+            is_new = is_new && !asdic_expected_is_near(&places[k], &places[i], 0.0, 0.0);
         }
         if (is_new) {
-            TRY(compare(c, pings[i], out));
+            TRY(compare(c, ping, out));
         }
     }
     return ASDIC_OK;

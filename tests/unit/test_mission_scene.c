@@ -531,6 +531,36 @@ static void refraction_is_as_much_as_is_needed(void **state) {
     }
 }
 
+static void count_expectations(void *user, const char *what, size_t done, size_t total) {
+    size_t *count = user;
+    assert_true(done < total);
+    *count += strcmp(what, "beams") == 0 && done == 0;
+}
+
+/* Three forms at each place that is another: a vehicle that flies level and turns has one, of all its pings. */
+static void forms_are_compared_once_at_a_place(void **state) {
+    workshop *w = *state;
+    static const struct {
+        const char *track;
+        size_t places;
+    } cases[] = {{"0,0,0,5,0,0,0\n9,9,0,5,0,0,90\n", 1}, {"0,0,0,5,0,0,0\n9,9,0,6,0,0,0\n", 3}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        asdic_refraction_plan plan;
+        size_t count = 0;
+        write_track(w, "level.csv", cases[i].track);
+        asdic_mission *m = load_text(
+            w, "version: 1\nenvironment: {sound_speed_profile: [[0, 1500], [40, 1470]]}\n"
+               "sonar: {frequency_khz: 20, ping_rate_hz: 1, max_range_m: 40, bin_length_m: 4,\n"
+               "  receivers: [{name: a}]}\nbottom: {depth_m: 25}\nmission: {track: level.csv}\n");
+        assert_non_null(m);
+        asdic_context_set_progress(w->ctx, count_expectations, &count);
+        assert_ok(w->ctx, asdic_mission_refraction(w->ctx, m, &plan));
+        asdic_context_set_progress(w->ctx, NULL, NULL);
+        assert_int_equal(count, 3 * cases[i].places);
+        asdic_mission_destroy(&m);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(shapes_are_where_they_are_put),
@@ -538,6 +568,7 @@ int main(void) {
         cmocka_unit_test(materials_read_their_files),
         cmocka_unit_test(range_is_that_of_the_sonars_depth),
         cmocka_unit_test(refraction_is_as_much_as_is_needed),
+        cmocka_unit_test(forms_are_compared_once_at_a_place),
         cmocka_unit_test(runs_take_what_is_the_same),
         cmocka_unit_test(runs_take_no_mesh_that_is_another),
         cmocka_unit_test(runs_of_many_borrow_their_scene),
