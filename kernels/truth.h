@@ -22,7 +22,6 @@
 #define TRUTH_SINE_SHIFT (DEV_TRUTH_ROW_BITS + 1u)
 #define TRUTH_SINE_MOST 1048575.0f
 
-
 static inline uint truth_row(uint word) {
     return word >> 1u & ((1u << DEV_TRUTH_ROW_BITS) - 1u);
 }

@@ -170,11 +170,12 @@ void asdic_detect_llrs(const asdic_background *b, asdic_target target, const dou
         snr[i] = target_lin[i] / b->mean_lin;
         is_good = is_good && target_lin[i] >= 0.0 && !isinf(m * snr[i] / LEAST_MEAN);
     }
-    for (size_t i = 0; i < count && !(is_good && is_textured); i++) {
-        llr[i] = is_good ? log_density(target, m, x, snr[i]) + x : (double)NAN;
-    }
     if (is_good && is_textured) {
         average_textures(b, target, x, snr, count, llr);
+        return;
+    }
+    for (size_t i = 0; i < count; i++) {
+        llr[i] = is_good ? log_density(target, m, x, snr[i]) + x : (double)NAN;
     }
 }
 

@@ -94,11 +94,10 @@ typedef struct comparison {
     asdic_ping *truth, *other;
 } comparison;
 
-static asdic_status expect(comparison *c, asdic_refraction form, size_t ping, asdic_ping *out) {
+static asdic_status expect(comparison *c, asdic_refraction form, const asdic_expected_place *at,
+                           asdic_ping *out) {
     asdic_environment env = in_form(asdic_mission_environment(c->mission), form, &c->span);
-    asdic_flat_scene flat = asdic_mission_flat_scene(c->mission, ping);
-    asdic_pose pose = asdic_mission_pose(c->mission, ping, NULL);
-    return asdic_expected_compute(c->ctx, &flat, &env, &c->sonar, &pose, out);
+    return asdic_expected_compute(c->ctx, &at->flat, &env, &c->sonar, &at->pose, out);
 }
 
 /* The largest change of any bin's total. */
@@ -113,12 +112,13 @@ static double change_db(const asdic_ping *truth, const asdic_ping *other) {
     return worst;
 }
 
-static asdic_status compare(comparison *c, size_t ping, asdic_refraction_plan *out) {
+static asdic_status compare(comparison *c, const asdic_expected_place *at,
+                            asdic_refraction_plan *out) {
     double *bounds[] = {
         [ASDIC_REFRACTION_LAYER] = &out->layer_db, [ASDIC_REFRACTION_OFF] = &out->off_db};
-    TRY(expect(c, ASDIC_REFRACTION_FULL, ping, c->truth));
+    TRY(expect(c, ASDIC_REFRACTION_FULL, at, c->truth));
     for (int form = ASDIC_REFRACTION_LAYER; form <= ASDIC_REFRACTION_OFF; form++) {
-        TRY(expect(c, (asdic_refraction)form, ping, c->other));
+        TRY(expect(c, (asdic_refraction)form, at, c->other));
         *bounds[form] = fmax(*bounds[form], SAFETY * change_db(c->truth, c->other));
     }
     return ASDIC_OK;
@@ -147,7 +147,7 @@ static asdic_status compare_places(comparison *c, asdic_refraction_plan *out) {
             is_new = is_new && !asdic_expected_is_near(&places[k], &places[i], 0.0, 0.0);
         }
         if (is_new) {
-            TRY(compare(c, ping, out));
+            TRY(compare(c, &places[i], out));
         }
     }
     return ASDIC_OK;

@@ -58,18 +58,18 @@ void asdic_ring_shelf_destroy(asdic_ring_shelf **shelf) {
     }
 }
 
-/* Profiles of some beams, and the first of those in work. */
+/* Beams in work. */
 typedef struct making {
-    ring_set *set;
-    size_t first;
+    const asdic_ring *rings;
+    asdic_ring_profile **profiles;
 } making;
 
 /* Of no memory there is none, and the caller says so: threads share no context's error. */
 static void make_profiles(void *user, unsigned worker, size_t first, size_t end) {
     const making *m = user;
     (void)worker;
-    for (size_t i = m->first + first; i < m->first + end; i++) {
-        (void)asdic_ring_profile_create(NULL, &m->set->rings[i], &m->set->profiles[i]);
+    for (size_t i = first; i < end; i++) {
+        (void)asdic_ring_profile_create(NULL, &m->rings[i], &m->profiles[i]);
     }
 }
 
@@ -88,7 +88,7 @@ static asdic_status fill(asdic_ring_shelf *shelf, const asdic_ring *rings, size_
     memcpy(set->rings, rings, count * sizeof *rings);
     set->count = count;
     for (size_t i = 0; i < count && !status; i += step) {
-        making m = {set, i};
+        making m = {set->rings + i, set->profiles + i};
         status = asdic_step(shelf->ctx, "beams", i, count);
         if (!status) {
             asdic_share(threads, count - i < step ? count - i : step, 1, make_profiles, &m);

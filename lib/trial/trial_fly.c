@@ -206,17 +206,16 @@ static void warn_of(asdic_context *ctx, const asdic_mission *m, bool told[WARNIN
     const asdic_settings *s = &m->settings;
     bool has_mirror = scene.has_surface || scene.has_bottom_plane;
     bool is_flat = asdic_eye_background(m) == ASDIC_TRIAL_FLAT;
-    warn(ctx, s->sonar.speckle == ASDIC_SPECKLE_NONE && !s->sampling.coherent, &told[MEANS],
+    bool is_mean = s->sonar.speckle == ASDIC_SPECKLE_NONE && !s->sampling.coherent;
+    bool is_spiky = s->sonar.speckle == ASDIC_SPECKLE_K && !is_flat;
+    bool mirrors = s->sampling.multipath == ASDIC_MULTIPATH_BOUNDARIES && has_mirror && is_flat;
+    warn(ctx, is_mean, &told[MEANS],
          "the trial's scene has 'speckle: none': levels are means, of which none is a false alarm "
-         "by "
-         "chance; 'speckle: rayleigh' draws them");
-    warn(
-        ctx, !is_flat && s->sonar.speckle == ASDIC_SPECKLE_K && isnan(s->detector.cost_ratio),
-        &told[SPIKES],
-        "the trial's thresholds are those of CFAR in Rayleigh speckle; K speckle exceeds them more "
-        "often than P_FA says");
-    warn(ctx, has_mirror && is_flat && s->sampling.multipath == ASDIC_MULTIPATH_BOUNDARIES,
-         &told[MIRRORS],
+         "by chance; 'speckle: rayleigh' draws them");
+    warn(ctx, is_spiky && isnan(s->detector.cost_ratio), &told[SPIKES],
+         "the trial's thresholds are those of CFAR in Rayleigh speckle; K speckle exceeds them "
+         "more often than P_FA says");
+    warn(ctx, mirrors, &told[MIRRORS],
          "the trial's detector expects no echoes that surface and bottom mirror ('multipath: "
          "boundaries') and takes them for targets");
 }

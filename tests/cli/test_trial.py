@@ -69,18 +69,23 @@ trial: {rule: {reach_m: 20, posterior: 0, hold_s: 1000, climb_m: 0.1}}
 """
 
 
-def farthest_x_m(x_m):
-    """Where a turn by 150 degrees that begins at X_M comes nearest to the wall: Nomoto's equations,
-    T r' + r = r_c with r_c = (wanted - heading) / (4 T), at most speed / radius, by small steps."""
-    yaw = rate = 0.0
-    step, best = 1e-4, x_m
+def turn_from(x_m):
+    """Places (x, y) of a turn by 150 degrees that begins at X_M: Nomoto's equations, T r' + r = r_c with
+    r_c = (wanted - heading) / (4 T), at most speed / radius, by small steps."""
+    yaw = rate = y_m = 0.0
+    step = 1e-4
     while yaw < 0.6 * math.pi:
         wanted = min((math.radians(150) - yaw) / (4 * RESPONSE), SPEED / RADIUS)
         rate += step * (wanted - rate) / RESPONSE
         yaw += step * rate
         x_m += step * SPEED * math.cos(yaw)
-        best = max(best, x_m)
-    return best
+        y_m += step * SPEED * math.sin(yaw)
+        yield x_m, y_m
+
+
+def farthest_x_m(x_m):
+    """Where that turn comes nearest to the wall."""
+    return max(x_m, *(x for x, _ in turn_from(x_m)))
 
 
 def chances():
@@ -214,20 +219,10 @@ sonar:"""
         tap.equal(yaws_deg[-1] % 360 > 200, True, f"{yaws_deg}")
 
 
-def turn_at(x_m):
-    """How far before the wall's front the hull is when a turn by 150 degrees that begins at X_M meets it, and how far it
-    got to the side: None where it does not meet it. By the equations of farthest_x_m."""
-    yaw = rate = y_m = 0.0
-    step, begin_m = 1e-4, x_m
-    while yaw < 0.6 * math.pi:
-        wanted = min((math.radians(150) - yaw) / (4 * RESPONSE), SPEED / RADIUS)
-        rate += step * (wanted - rate) / RESPONSE
-        yaw += step * rate
-        x_m += step * SPEED * math.cos(yaw)
-        y_m += step * SPEED * math.sin(yaw)
-        if x_m >= FRONT - HULL:
-            return math.hypot(x_m - begin_m, y_m)
-    return None
+def turn_at(begin_m):
+    """How far before the wall's front the hull is when a turn that begins at BEGIN_M meets it, and how far it got to the
+    side: None where it does not meet it."""
+    return next((math.hypot(x_m - begin_m, y_m) for x_m, y_m in turn_from(begin_m) if x_m >= FRONT - HULL), None)
 
 
 def test_causes_are_told_apart():

@@ -2,6 +2,7 @@
 
 #include "base/context.h"
 #include "base/try.h"
+#include "mission/scene_inputs.h"
 #include "out/format.h"
 
 #include <ctype.h>
@@ -133,24 +134,35 @@ asdic_status asdic_folder_hold(asdic_context *ctx, const char *folder, DIR **out
                    : ASDIC_OK;
 }
 
-asdic_status asdic_folder_spare(asdic_context *ctx, const char *folder, const char *path,
-                                const char *own) {
+typedef struct sparing {
+    asdic_context *ctx;
+    const char *folder, *own;
+} sparing;
+
+static asdic_status spare(void *user, const char *path) {
+    const sparing *s = user;
     struct stat named, there;
-    DIR *dir = stat(path, &named) == 0 ? opendir(folder) : NULL;
+    DIR *dir = stat(path, &named) == 0 ? opendir(s->folder) : NULL;
     bool is_lost = false;
     for (struct dirent *entry; dir && !is_lost && (entry = readdir(dir));) {
-        is_lost = is_ours(entry->d_name) && strcmp(entry->d_name, own) != 0 &&
+        is_lost = is_ours(entry->d_name) && strcmp(entry->d_name, s->own) != 0 &&
                   fstatat(dirfd(dir), entry->d_name, &there, 0) == 0 &&
                   there.st_dev == named.st_dev && there.st_ino == named.st_ino;
     }
     if (dir) {
         closedir(dir);
     }
-    return is_lost ? asdic_fail(ctx, ASDIC_ERROR_EXISTS,
+    return is_lost ? asdic_fail(s->ctx, ASDIC_ERROR_EXISTS,
                                 "'%s', which the scene reads, is in '%s' and has a name that a run "
                                 "writes there; rename it, or use another folder",
-                                path, folder)
+                                path, s->folder)
                    : ASDIC_OK;
+}
+
+asdic_status asdic_folder_spare(asdic_context *ctx, const char *folder, const char *scene,
+                                const char *text, const char *own) {
+    sparing s = {ctx, folder, own};
+    return asdic_scene_visit_files(ctx, scene, text, spare, &s);
 }
 
 static asdic_status clear(asdic_context *ctx, const char *folder) {

@@ -23,10 +23,10 @@ asdic_status asdic_folder_hold(asdic_context *ctx, const char *folder, DIR **out
 asdic_status asdic_folder_prepare(asdic_context *ctx, const char *folder, bool force,
                                   bool can_resume);
 
-/* ASDIC_ERROR_EXISTS where PATH is a file in FOLDER, other than that called OWN, that a run there
- * would replace. */
-asdic_status asdic_folder_spare(asdic_context *ctx, const char *folder, const char *path,
-                                const char *own);
+/* No force is meant for the scene's own grid or track: ASDIC_ERROR_EXISTS where a file that TEXT, of the file
+ * SCENE, names lies in FOLDER, is not called OWN, and would be replaced by a run there. */
+asdic_status asdic_folder_spare(asdic_context *ctx, const char *folder, const char *scene,
+                                const char *text, const char *own);
 
 /* The names of the PNG pictures that a run draws and FOLDER has, sorted; *NAMES is ARENA's. */
 asdic_status asdic_folder_pictures(asdic_context *ctx, const char *folder, asdic_arena *arena,

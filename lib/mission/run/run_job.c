@@ -6,7 +6,6 @@
 #include "base/sha256.h"
 #include "base/try.h"
 #include "mission/mission.h"
-#include "mission/scene_inputs.h"
 #include "run_chart_data.h"
 #include "run_check.h"
 #include "run_folder.h"
@@ -289,12 +288,6 @@ static asdic_status read_earlier(asdic_run_job *job, asdic_run_facts *earlier) {
                                                            : ASDIC_OK;
 }
 
-static asdic_status spare(void *user, const char *path) {
-    const asdic_run_job *job = user;
-    return asdic_folder_spare(job->ctx, job->options->folder, path,
-                              job->options->own_track ? "track.csv" : "");
-}
-
 /* Opens the store of a new run or of the one to be resumed. */
 static asdic_status open_run(asdic_run_job *job) {
     const char *folder = job->options->folder;
@@ -304,9 +297,10 @@ static asdic_status open_run(asdic_run_job *job) {
     if (!goes_on) {
         TRY(asdic_run_check_room(job->ctx, job->mission, job->options));
     }
-    if (job->options->force) { /* no force is meant for the scene's own grid or track */
-        TRY(asdic_scene_visit_files(job->ctx, asdic_mission_path(job->mission),
-                                    asdic_mission_text(job->mission), spare, job));
+    if (job->options->force) {
+        TRY(asdic_folder_spare(job->ctx, folder, asdic_mission_path(job->mission),
+                               asdic_mission_text(job->mission),
+                               job->options->own_track ? "track.csv" : ""));
     }
     TRY(asdic_folder_hold(job->ctx, folder, &job->lock));
     TRY(goes_on ? read_earlier(job, &earlier)

@@ -9,7 +9,6 @@
 #include "run_open.h"
 #include "run_render.h"
 #include "run_chart_data.h"
-#include "mission/scene_inputs.h"
 #include "mission/track/track.h"
 #include "out/file.h"
 
@@ -83,11 +82,6 @@ static asdic_status check_parts(const merger *m) {
         }
     }
     return ASDIC_OK;
-}
-
-static asdic_status spare(void *user, const char *path) {
-    const merger *m = user;
-    return asdic_folder_spare(m->ctx, m->folder, path, "");
 }
 
 /* Reads all that the parts are joined from, before what is in the result's folder is given up. */
@@ -250,8 +244,8 @@ static asdic_status join(merger *m, const char *const *folders, bool force) {
     TRY(check_parts(m));
     TRY(check_folder(m));
     TRY(sum_up(m));
-    if (force) { /* no force is meant for the scene's own grid or track */
-        TRY(asdic_scene_visit_files(m->ctx, m->facts.scene_path, m->facts.scene_text, spare, m));
+    if (force) {
+        TRY(asdic_folder_spare(m->ctx, m->folder, m->facts.scene_path, m->facts.scene_text, ""));
     }
     if (force && asdic_folder_has_run(m->folder)) {
         TRY(check_records(m));
