@@ -75,40 +75,45 @@ static size_t ping_batch_size(const asdic_simulator *sim) {
 }
 
 static asdic_status create_kernels(asdic_simulator *sim) {
-    char options[160];
+    /* A program is made with no more than it depends on: scenes that differ elsewhere share it. */
+    char draw[160], reduce[160], ping[160];
+    const unsigned width = sim->setup.layout.width;
+    const int deposit = (int)sim->setup.layout.deposit, mesh = sim->tracer ? 1 : 0;
     bool water = !(sim->setup.sampling.left_out & (1u << ASDIC_TERM_VOLUME));
-    snprintf(options, sizeof options,
+    const char *bent = sim->setup.layer_count         ? " -D ASDIC_BENT=2"
+                       : sim->setup.bend_per_m != 0.0 ? " -D ASDIC_BENT=1"
+                                                      : "";
+    snprintf(draw, sizeof draw, "-D ASDIC_WIDTH=%u -D ASDIC_HAS_MESH=%d%s", width, mesh, bent);
+    snprintf(reduce, sizeof reduce, "-D ASDIC_WIDTH=%u -D ASDIC_DEPOSIT=%d", width, deposit);
+    snprintf(ping, sizeof ping,
              "-D ASDIC_WIDTH=%u -D ASDIC_DEPOSIT=%d -D ASDIC_HAS_MESH=%d -D ASDIC_COMMON_AXIS=%d "
              "-D ASDIC_HAS_WATER=%d -D ASDIC_HAS_MIRRORS=%d%s%s",
-             sim->setup.layout.width, (int)sim->setup.layout.deposit, sim->tracer ? 1 : 0,
-             sim->fan.common_axis, water, sim->setup.has_mirrors ? 1 : 0,
-             sim->setup.layer_count         ? " -D ASDIC_BENT=2"
-             : sim->setup.bend_per_m != 0.0 ? " -D ASDIC_BENT=1"
-                                            : "",
-             sim->setup.sampling.truth ? " -D ASDIC_TRUTH=1" : "");
+             width, deposit, mesh, sim->fan.common_axis, water, sim->setup.has_mirrors ? 1 : 0,
+             bent, sim->setup.sampling.truth ? " -D ASDIC_TRUTH=1" : "");
     bool collects = sim->setup.layout.deposit == ASDIC_DEPOSIT_COLLECT;
     bool adaptive = sim->setup.sampling.sampler == ASDIC_SAMPLER_ADAPTIVE;
     const struct {
-        const char *name;
+        const char *file, *options, *name;
         asdic_kernel **kernel;
         bool needed;
     } wanted[] = {
-        {"sample", &sim->kernels.sample, true},
-        {"shade", &sim->kernels.shade, true},
-        {"advance", &sim->kernels.advance, sim->setup.layer_count > 0},
-        {"volume", &sim->kernels.volume, sim->setup.layer_count > 0 && water},
-        {"collect", &sim->kernels.collect, collects && !sim->fan.many},
-        {"suffix", &sim->kernels.suffix, !collects},
-        {"reduce", &sim->kernels.reduce, !sim->fan.many},
-        {"pilot", &sim->kernels.pilot, adaptive},
-        {"connect", &sim->kernels.connect, sim->setup.has_mirrors},
-        {"bounce", &sim->kernels.bounce, sim->setup.has_mirrors},
+        {"draw.cl", draw, "sample", &sim->kernels.sample, true},
+        {"ping.cl", ping, "shade", &sim->kernels.shade, true},
+        {"ping.cl", ping, "advance", &sim->kernels.advance, sim->setup.layer_count > 0},
+        {"ping.cl", ping, "volume", &sim->kernels.volume, sim->setup.layer_count > 0 && water},
+        {"ping.cl", ping, "collect", &sim->kernels.collect, collects && !sim->fan.many},
+        {"reduce.cl", reduce, "suffix", &sim->kernels.suffix, !collects},
+        {"reduce.cl", reduce, "reduce", &sim->kernels.reduce, !sim->fan.many},
+        {"draw.cl", draw, "pilot", &sim->kernels.pilot, adaptive},
+        {"ping.cl", ping, "connect", &sim->kernels.connect, sim->setup.has_mirrors},
+        {"ping.cl", ping, "bounce", &sim->kernels.bounce, sim->setup.has_mirrors},
     };
     for (size_t i = 0; i < sizeof wanted / sizeof *wanted; i++) {
         if (!wanted[i].needed) {
             continue;
         }
-        TRY(asdic_kernel_create(sim->device, "ping.cl", options, wanted[i].name, wanted[i].kernel));
+        TRY(asdic_kernel_create(sim->device, wanted[i].file, wanted[i].options, wanted[i].name,
+                                wanted[i].kernel));
     }
     const asdic_beam_fan_size size = {.receivers = sim->setup.sonar.receiver_count,
                                       .bins = sim->setup.bins,

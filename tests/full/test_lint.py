@@ -22,6 +22,8 @@ PING = {"ASDIC_WIDTH": (1, 8, 16), "ASDIC_DEPOSIT": (0, 1, 2), "ASDIC_HAS_MESH":
         "ASDIC_COMMON_AXIS": (0, 1), "ASDIC_HAS_WATER": (0, 1)}
 COHERENT = {"ASDIC_WIDTH": (1, 8, 16), "ASDIC_HAS_MESH": (0, 1)}
 SPECIALISATIONS = {
+    "draw.cl": {"ASDIC_WIDTH": (1, 8, 16), "ASDIC_HAS_MESH": (0, 1), "ASDIC_BENT": (0, 1, 2)},
+    "reduce.cl": {"ASDIC_WIDTH": (1, 8, 16), "ASDIC_DEPOSIT": (0, 1, 2)},
     "ping.cl": {**PING, "ASDIC_HAS_MIRRORS": (0, 1), "ASDIC_BENT": (0, 1, 2)},
     "fan.cl": {"ASDIC_WIDTH": (1, 16), "ASDIC_COMPONENTS": (3, 4, 5), "ASDIC_COMMON_AXIS": (0, 1),
                "ASDIC_HAS_MIRRORS": (0, 1)},
