@@ -19,6 +19,9 @@
 #define SAME_AXIS 0.9998
 /* Distinct aims that get a lobe of their own; beyond, lobes are spread over the sector. */
 #define MAX_AIMS 8
+/* A transmitter with a lobe narrower than this that looks beyond the sector gets a lobe of its own.
+ * A wide one sends into the sector as well: a second lobe would only thin the sector's lattice. */
+#define NARROW_RAD 0.1
 /* How far a sector's lobe reaches beyond the outermost beams, in wavelengths per aperture: past their first
  * two nulls and side lobes. */
 #define SECTOR_MARGIN 2.5
@@ -119,20 +122,24 @@ static void add_lobe(asdic_sampler sampler, dev_lobe lobe, dev_lobe *lobes, unsi
     }
 }
 
+/* How long a beam's horizontal (ACROSS false) or vertical side is along azimuths, in wavelengths:
+ * the longer one leads the way, it is narrower there. */
+static double along_azimuth(const dev_beam *beam, bool across) {
+    const float *row = beam->rows + (across ? 6 : 3);
+    return hypot(row[0], row[1]) * (across ? beam->length_v_wl : beam->length_h_wl);
+}
+
 static void add_beam(asdic_sampler sampler, const dev_beam *beam, dev_lobe *lobes,
                      unsigned *count) {
     if (sampler == ASDIC_SAMPLER_BEAM) {
         add_lobe(sampler, beam_lobe(beam), lobes, count);
         return;
     }
-    /* The side that is narrower in azimuth leads the way; a rolled or steep beam has its other ridge
-     * in reach too. */
-    double along_h = hypot(beam->rows[3], beam->rows[4]) * beam->length_h_wl;
-    double along_v = hypot(beam->rows[6], beam->rows[7]) * beam->length_v_wl;
-    bool vertical_first = along_v > along_h;
-    add_lobe(sampler, ridge_lobe(beam, vertical_first), lobes, count);
+    /* A rolled or steep beam has its other ridge in reach too. */
+    double along_h = along_azimuth(beam, false), along_v = along_azimuth(beam, true);
+    add_lobe(sampler, ridge_lobe(beam, along_v > along_h), lobes, count);
     if (fmin(along_h, along_v) > STEEP * fmax(along_h, along_v)) {
-        add_lobe(sampler, ridge_lobe(beam, !vertical_first), lobes, count);
+        add_lobe(sampler, ridge_lobe(beam, along_v <= along_h), lobes, count);
     }
 }
 
@@ -156,9 +163,9 @@ static void add_picked(const dev_beam *receivers, size_t receiver_count, dev_lob
 }
 
 /* Many receivers, adaptive sampler: even over the sector that they span, which keeps the lattice in
- * one piece. */
-static void add_sector(const dev_beam *receivers, size_t receiver_count, dev_lobe *lobes,
-                       unsigned *count) {
+ * one piece unless the transmitter looks elsewhere. */
+static void add_sector(const dev_beam *transmitter, const dev_beam *receivers,
+                       size_t receiver_count, dev_lobe *lobes, unsigned *count) {
     dev_lobe ridge = ridge_lobe(&receivers[0], false), lobe = ridge;
     double at = 0.0, least = 0.0, most = 0.0, scale = ridge.scale_h, first = azimuth_of(&ridge);
     lobe.most_tilt = ridge.tilt;
@@ -181,6 +188,12 @@ static void add_sector(const dev_beam *receivers, size_t receiver_count, dev_lob
     lobe.scale_h = DEV_EVEN_SCALE;
     lobe.limit_rad = (float)fmin(0.5 * (most - least), ASDIC_PI);
     lobes[(*count)++] = lobe;
+    dev_lobe sender = ridge_lobe(transmitter, along_azimuth(transmitter, true) >
+                                                  along_azimuth(transmitter, false));
+    double off = fabs(wrap(azimuth_of(&sender) - azimuth_of(&lobe)));
+    if (sender.scale_h < NARROW_RAD && off > lobe.limit_rad) {
+        lobes[(*count)++] = sender;
+    }
 }
 
 /* Lobes of the transmitter and all receivers that look different ways. False: too many of them. */
@@ -200,10 +213,11 @@ static bool add_each(asdic_sampler sampler, const dev_beam *beams, size_t receiv
 unsigned asdic_aim_lobes(asdic_sampler sampler, const dev_beam *beams, size_t receiver_count,
                          bool rear, dev_lobe *lobes) {
     unsigned count = 0;
-    bool sector = false;
-    if (!add_each(sampler, beams, receiver_count, lobes, &count)) {
-        sector = sampler == ASDIC_SAMPLER_ADAPTIVE;
-        (sector ? add_sector : add_picked)(beams + 1, receiver_count, lobes, &count);
+    bool each = add_each(sampler, beams, receiver_count, lobes, &count);
+    if (!each && sampler == ASDIC_SAMPLER_ADAPTIVE) {
+        add_sector(beams, beams + 1, receiver_count, lobes, &count);
+    } else if (!each) {
+        add_picked(beams + 1, receiver_count, lobes, &count);
     }
     double wide = sampler == ASDIC_SAMPLER_BEAM || rear ? WIDE_SHARE : 0.0;
     for (unsigned j = 0; j < count; j++) {

@@ -173,6 +173,21 @@ static void fans_meet_the_quadrature(void **state) {
     }
 }
 
+/* Few rays of a narrow transmitter that looks beyond the fan: beams hear it by their side lobes. */
+static void a_transmitter_beside_the_fan_is_heard(void **state) {
+    (void)state;
+    static const fan_case fan = {64, 30, 21.6, 36.8, 0.9, 15.4, 5.1, 0, 0, 30, true};
+    ping_rig r = rig_of(&fan);
+    r.sampling.rays = 20000;
+    r.sonar.transmitter.yaw_rad = -20.0 * RIG_DEGREE;
+    asdic_ping *ping = shoot(&r, true);
+    difference d = compare(&r, ping);
+    print_message("beside the fan: RMS %.3f dB, over stated %.2f\n", d.rms_db, d.over_stated);
+    assert_true(d.over_stated > 0.7 && d.over_stated < 1.35 && d.rms_db < 0.5);
+    asdic_ping_destroy(&ping);
+    rig_destroy(&r);
+}
+
 static void errors_fall_as_rays_grow(void **state) {
     (void)state;
     double rms_db[2];
@@ -381,6 +396,7 @@ int main(void) {
     t = test_device_open_or_skip();
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(fans_meet_the_quadrature),
+        cmocka_unit_test(a_transmitter_beside_the_fan_is_heard),
         cmocka_unit_test(errors_fall_as_rays_grow),
         cmocka_unit_test(any_receivers_meet_the_quadrature),
         cmocka_unit_test(faces_leak_backwards),
