@@ -328,6 +328,33 @@ static void a_sector_is_one_lobe(void **state) {
     assert_true(lobes[0].tilt * lobes[0].most_tilt < 0.0f);
 }
 
+/* A transmitter on either side of a sector from 130 to 240 degrees gets half of the rays; between
+ * its outermost beams, or if it is wide, none by itself. */
+static void a_sector_leaves_the_transmitter_aside(void **state) {
+    (void)state;
+    static const struct {
+        double yaw_deg;
+        float length_wl;
+        unsigned lobes;
+    } senders[] = {{129, 10, 2}, {131, 10, 1}, {239, 10, 1}, {241, 10, 2},
+                   {300, 10, 2}, {300, 2, 1},  {241, 4, 2}};
+    for (size_t i = 0; i < sizeof senders / sizeof *senders; i++) {
+        beams[0] = look(senders[i].yaw_deg, 0.0, 0.0);
+        beams[0].length_h_wl = senders[i].length_wl;
+        for (int k = 0; k < 12; k++) {
+            beams[1 + k] = look(130.0 + 10.0 * k, 0.0, 0.0);
+        }
+        unsigned count = asdic_aim_lobes(ASDIC_SAMPLER_ADAPTIVE, beams, 12, false, lobes);
+        assert_int_equal(count, senders[i].lobes);
+        assert_close(crossing_deg(&lobes[0]), -175.0, 1e-3);
+        assert_true(lobes[0].margin_rad > 0.0f);
+        if (count == 2) {
+            assert_close(crossing_deg(&lobes[1]), turned(senders[i].yaw_deg), 1e-3);
+            assert_true(lobes[1].margin_rad == 0.0f && lobes[1].share_begin == 0.5f);
+        }
+    }
+}
+
 /* From 16 receivers on; they have an axis in common where they are alike but for their yaw. */
 static void many_receivers_may_have_an_axis_in_common(void **state) {
     (void)state;
@@ -395,6 +422,7 @@ int main(void) {
         cmocka_unit_test(the_beam_sampler_looks_along_beams),
         cmocka_unit_test(lobes_have_a_limit),
         cmocka_unit_test(a_sector_is_one_lobe),
+        cmocka_unit_test(a_sector_leaves_the_transmitter_aside),
         cmocka_unit_test(many_receivers_may_have_an_axis_in_common),
         cmocka_unit_test(the_loudest_receiver_counts),
     };
