@@ -190,7 +190,11 @@ static bool ideal_sees(const run *r, size_t ping) {
     asdic_variates v =
         asdic_variates_begin(RANDOM_TRIAL, r->job->seed, r->job->run, (uint32_t)ping);
     double u = asdic_variates_uniform(&v);
-    return u < (is_something_ahead(r, &r->pilot) ? r->plan->pd : r->plan->pfa);
+    bool where_something = u < r->plan->pd, where_nothing = u < r->plan->pfa;
+    /* What is ahead is flown to only where it matters. */
+    return where_something == where_nothing   ? where_nothing
+           : is_something_ahead(r, &r->pilot) ? where_something
+                                              : where_nothing;
 }
 
 /* --- a ping ------------------------------------------------------------------------------------ */

@@ -1,6 +1,7 @@
 """Trials: figures against closed forms, the same bytes however runs are dealt, rules of other programs,
 draws that cannot be flown. With the argument `full` the same closed forms in ten thousand runs."""
 import csv
+import functools
 import json
 import math
 import os
@@ -69,32 +70,28 @@ trial: {rule: {reach_m: 20, posterior: 0, hold_s: 1000, climb_m: 0.1}}
 """
 
 
-def turn_from(x_m):
-    """Places (x, y) of a turn by 150 degrees that begins at X_M: Nomoto's equations, T r' + r = r_c with
+@functools.cache
+def turn():
+    """Places (x, y) of a turn by 150 degrees that begins at (0, 0): Nomoto's equations, T r' + r = r_c with
     r_c = (wanted - heading) / (4 T), at most speed / radius, by small steps."""
-    yaw = rate = y_m = 0.0
-    step = 1e-4
+    places, x_m, y_m, yaw, rate, step = [], 0.0, 0.0, 0.0, 0.0, 1e-4
     while yaw < 0.6 * math.pi:
         wanted = min((math.radians(150) - yaw) / (4 * RESPONSE), SPEED / RADIUS)
         rate += step * (wanted - rate) / RESPONSE
         yaw += step * rate
         x_m += step * SPEED * math.cos(yaw)
         y_m += step * SPEED * math.sin(yaw)
-        yield x_m, y_m
-
-
-def farthest_x_m(x_m):
-    """Where that turn comes nearest to the wall."""
-    return max(x_m, *(x for x, _ in turn_from(x_m)))
+        places.append((x_m, y_m))
+    return places
 
 
 def chances():
     """At how many pings a detection averts the collision: near enough to be seen, far enough to turn."""
-    count = 0
+    count, turn_m = 0, max(x for x, _ in turn())  # where it comes nearest to the wall
     for k in range(100):
         x_m = SPEED * k / RATE
         off_m = FRONT - HULL - x_m
-        room_m = FRONT - HULL - farthest_x_m(x_m)
+        room_m = off_m - turn_m
         assert min(abs(off_m - (REACH + BIN + HULL)), abs(room_m)) > 0.08, (k, off_m, room_m)
         count += off_m < REACH + BIN + HULL and room_m > 0
     return count
@@ -222,7 +219,7 @@ sonar:"""
 def turn_at(begin_m):
     """How far before the wall's front the hull is when a turn that begins at BEGIN_M meets it, and how far it got to the
     side: None where it does not meet it."""
-    return next((math.hypot(x_m - begin_m, y_m) for x_m, y_m in turn_from(begin_m) if x_m >= FRONT - HULL), None)
+    return next((math.hypot(x_m, y_m) for x_m, y_m in turn() if begin_m + x_m >= FRONT - HULL), None)
 
 
 def test_causes_are_told_apart():
@@ -326,6 +323,7 @@ def test_intervals_cover():
     assert not FULL or held / blocks <= 0.97, (held, blocks)
 
 
+@functools.cache
 def clopper_pearson(k, n):
     def tail(p, least, most):
         return sum(math.exp(math.lgamma(n + 1) - math.lgamma(j + 1) - math.lgamma(n - j + 1)
