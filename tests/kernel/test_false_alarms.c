@@ -11,7 +11,7 @@ typedef struct tally {
     uint64_t events;
 } tally;
 
-static void simulate(const char *name, asdic_speckle speckle, double shape, double bin_length_m,
+static void simulate(const char *name, asdic_speckle speckle, double shape, double bandwidth_hz,
                      unsigned looks) {
     asdic_context *ctx = device.ctx;
     ping_rig r = rig_create(&device);
@@ -28,8 +28,9 @@ static void simulate(const char *name, asdic_speckle speckle, double shape, doub
     r.sonar.receiver_count = 1;
     r.sonar.speckle = speckle;
     r.sonar.speckle_shape = shape;
-    r.sonar.bin_length_m = bin_length_m;
-    r.sampling.rays = bin_length_m < 0.1 ? 8192 : 4096; /* more in each of a few large bins */
+    r.sonar.bandwidth_hz = bandwidth_hz;
+    r.sonar.bin_length_m = 0.075;
+    r.sampling.rays = looks == 1 ? 8192 : 16384; /* of several looks thresholds are nearer */
     assert_ok(ctx, asdic_scene_commit(r.scene));
     assert_ok(ctx, asdic_simulator_create(ctx, device.device, r.scene, &r.env, &r.sonar,
                                           &r.sampling, 7.0, &sim));
@@ -72,22 +73,22 @@ static void simulate(const char *name, asdic_speckle speckle, double shape, doub
 
 static void rayleigh_of_one_look(void **state) {
     (void)state;
-    simulate("rayleigh", ASDIC_SPECKLE_RAYLEIGH, NAN, 0.075, 1);
+    simulate("rayleigh", ASDIC_SPECKLE_RAYLEIGH, NAN, 10e3, 1);
 }
 
 static void rayleigh_of_several_looks(void **state) {
     (void)state;
-    simulate("rayleigh", ASDIC_SPECKLE_RAYLEIGH, NAN, 0.5, 7);
+    simulate("rayleigh", ASDIC_SPECKLE_RAYLEIGH, NAN, 70e3, 7);
 }
 
 static void k_of_one_look(void **state) {
     (void)state;
-    simulate("k 1.5", ASDIC_SPECKLE_K, 1.5, 0.075, 1);
+    simulate("k 1.5", ASDIC_SPECKLE_K, 1.5, 10e3, 1);
 }
 
 static void k_of_several_looks(void **state) {
     (void)state;
-    simulate("k 1.5", ASDIC_SPECKLE_K, 1.5, 0.5, 7);
+    simulate("k 1.5", ASDIC_SPECKLE_K, 1.5, 70e3, 7);
 }
 
 int main(void) {
