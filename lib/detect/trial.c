@@ -58,8 +58,13 @@ asdic_estimate asdic_estimate_within(uint64_t events, uint64_t trials, double le
                             .high = events == trials ? 1.0 : bound(k, n, false, tail)};
 }
 
-/* A target's power in all looks re its mean. Takes two numbers, whichever it needs. */
-static double draw_fluctuation(asdic_target target, asdic_variates *v) {
+/* A target's power in all looks re its mean; 0 where IS_NOTHING. Takes two numbers, whichever it
+ * needs. */
+static double draw_fluctuation(asdic_target target, bool is_nothing, asdic_variates *v) {
+    if (is_nothing) {
+        asdic_variates_skip(v);
+        return 0.0;
+    }
     double first = asdic_variates_uniform(v), second = asdic_variates_uniform(v);
     return target == ASDIC_TARGET_SWERLING1   ? -log(first)
            : target == ASDIC_TARGET_SWERLING3 ? -0.5 * (log(first) + log(second))
@@ -72,22 +77,22 @@ static double draw_fluctuation(asdic_target target, asdic_variates *v) {
 static double draw_one(const asdic_background *b, asdic_target target, double snr, uint64_t seed,
                        uint64_t index) {
     asdic_variates v = asdic_variates_begin(RANDOM_TRIAL, seed, index, 0);
-    double fluctuation = draw_fluctuation(target, &v);
+    bool is_looks = target == ASDIC_TARGET_SWERLING2; /* one more part of every look's amplitude */
+    double power = snr * draw_fluctuation(target, is_looks || !(snr > 0.0), &v);
     double mean = 1.0, sum = 0.0;
     if (b->shape <= ASDIC_SHAPE_MAX) {
         asdic_variates t = asdic_variates_begin(RANDOM_TRIAL, seed, index, 1);
         double texture = asdic_variates_gamma(&t, b->shape) / b->shape;
         mean = (1.0 - b->noise_share) * texture + b->noise_share;
     }
-    if (target == ASDIC_TARGET_SWERLING2) { /* one more part of every look's amplitude */
+    if (is_looks) {
         mean += snr;
-        snr = 0.0;
     }
-    double amplitude = sqrt(snr * fluctuation), scale = sqrt(mean);
+    double amplitude = sqrt(power), scale = sqrt(mean);
     for (unsigned look = 0; look < b->looks; look++) {
         double radius2 = asdic_variates_exponential(&v), phase = asdic_variates_uniform(&v);
         sum += mean * radius2;
-        if (snr > 0.0) { /* |a + n|^2 = |n|^2 + 2 a Re n + a^2 */
+        if (power > 0.0) { /* |a + n|^2 = |n|^2 + 2 a Re n + a^2 */
             double in_phase = scale * sqrt(radius2) * cos(2.0 * ASDIC_PI * phase);
             sum += amplitude * (2.0 * in_phase + amplitude);
         }

@@ -34,6 +34,10 @@ double asdic_variates_uniform(asdic_variates *v) {
     return to_unit(r.v[0], r.v[1]);
 }
 
+void asdic_variates_skip(asdic_variates *v) {
+    v->next++;
+}
+
 double asdic_variates_exponential(asdic_variates *v) {
     return -log(asdic_variates_uniform(v));
 }

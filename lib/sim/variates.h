@@ -17,6 +17,8 @@ asdic_variates asdic_variates_begin(uint32_t purpose, uint64_t seed, uint64_t in
 
 /* In (0, 1), 64 bits, so that rare events have their true probability. */
 double asdic_variates_uniform(asdic_variates *v);
+/* Takes two of those, unseen, where an even number of them was taken. */
+void asdic_variates_skip(asdic_variates *v);
 double asdic_variates_exponential(asdic_variates *v);
 /* Two independent normal variates. */
 void asdic_variates_normal(asdic_variates *v, double out[2]);
