@@ -15,6 +15,8 @@ from run_folder import png_texts
 DATA = pathlib.Path(__file__).resolve().parents[2] / "data"
 COLUMNS = ["ping", "time_s", "beam", "bin", "range_m", "x_m", "y_m", "z_m", "level_db",
            "background_db", "llr", "posterior", "pd", "truth"]
+# Where nothing is asked of the map.
+COARSE = "--cell", "4"
 # Rayleigh speckle; two objects at one range on either side, seen by a beam each.
 TWO = """version: 1
 bottom: {depth_m: 20, type: sand}
@@ -194,7 +196,7 @@ sampling: {rays: 2000}
 output: {images: [], csv: none}
 """)
         done = asdic("detect", "water.yaml", "-o", "out", "--cost", "100", "--cfar", "ca", "--json", "-q",
-                     cwd=folder.path)
+                     *COARSE, cwd=folder.path)
         report = json.loads(done.check(0).out)
         none, pfa = report["confusion"][-1], report["pfa_measured"]
         predicted = none["predicted"] / none["bins"]
@@ -223,7 +225,7 @@ output: {{images: [], csv: none}}
             asdic("run", "noise.yaml", "-o", "out", "-f", "-q", cwd=folder.path).check(0)
             for options in (("--cfar", "ca", "--pfa", "0.01"), ("--cfar", "os", "--pfa", "0.01"),
                             ("--cfar", "ca", "--cost", "100")):
-                done = asdic("detect", "out", "-f", "--json", "-q", *options, cwd=folder.path).check(0)
+                done = asdic("detect", "out", "-f", "--json", "-q", *COARSE, *options, cwd=folder.path).check(0)
                 report = json.loads(done.out)
                 none, pfa = report["confusion"][-1], report["pfa_measured"]
                 predicted = none["predicted"] / none["bins"]
@@ -242,23 +244,23 @@ def test_spiky_speckle_exceeds_its_neighbours_more_often():
 bottom: none
 sonar: {frequency_khz: 100, bandwidth_khz: 1.5, bin_length_m: 0.5, source_level_db: 250, receivers: [{name: ahead}], speckle: k,
   speckle_shape: 1}
-mission: {pose: {position_m: [0, 0, 50]}, pings: 60}
+mission: {pose: {position_m: [0, 0, 50]}, pings: 30}
 sampling: {rays: 2000}
 detector: {pfa: 1.0e-3}
 output: {images: [], csv: none}
 """)
         asdic("run", "spiky.yaml", "-o", "out", "-q", cwd=folder.path).check(0)
         for kind in "ca", "os":
-            done = asdic("detect", "out", "--cfar", kind, "-f", "--json", cwd=folder.path).check(0)
+            done = asdic("detect", "out", "--cfar", kind, "-f", "--json", *COARSE, cwd=folder.path).check(0)
             report = json.loads(done.out)
             tap.equal(done.err.count("K speckle exceeds them more often than P_FA says"), 1, done.err)
             tap.lacks(done.err, "tracks are not for this sonar")
             tap.equal((report["confusion"][-1]["predicted"], report["tracks"]["by_chance"]), (None, None))
             tap.equal(report["pfa_measured"]["low"] > 0.01, True, f"{report['pfa_measured']}")
-        done = asdic("detect", "out", "--cfar", "ca", "-f", cwd=folder.path).check(0)
+        done = asdic("detect", "out", "--cfar", "ca", "-f", *COARSE, cwd=folder.path).check(0)
         tap.contains(done.out, "P_FA: measured ")
         for options in ((), ("--cfar", "ca", "--cost", "100")):
-            done = asdic("detect", "out", "-f", "--json", *options, cwd=folder.path).check(0)
+            done = asdic("detect", "out", "-f", "--json", *COARSE, *options, cwd=folder.path).check(0)
             tap.lacks(done.err, "K speckle")
             tap.equal(json.loads(done.out)["confusion"][-1]["predicted"] > 0, True, f"{options}")
 
@@ -285,7 +287,7 @@ def test_an_empty_sea_has_the_false_tracks_that_are_said():
     need_device()
     with Folder() as folder:
         folder.write("empty.yaml", EMPTY)
-        done = asdic("detect", "empty.yaml", "-o", "out", "--json", cwd=folder.path).check(0)
+        done = asdic("detect", "empty.yaml", "-o", "out", "--json", *COARSE, cwd=folder.path).check(0)
         report = json.loads(done.out)
         tracks, pfa = report["tracks"], report["pfa_measured"]
         tap.equal(pfa["low"] <= 0.003 <= pfa["high"], True, f"{pfa}")
@@ -298,7 +300,7 @@ def test_an_empty_sea_has_the_false_tracks_that_are_said():
         tap.equal(found > 0, True, "false tracks")
         tap.equal(tracks["on_objects"], 0, "false tracks of an object")
         tap.equal({row["truth"] for row in rows(folder / "out/tracks.csv")}, {"none"}, "names of tracks")
-        text = asdic("detect", "out", "--force", cwd=folder.path).check(0).out
+        text = asdic("detect", "out", "--force", *COARSE, cwd=folder.path).check(0).out
         tap.contains(text, "of false alarms alone")
 
 
@@ -322,7 +324,7 @@ def said_of(folder, *changes):
         tap.contains(text, old)
         text = text.replace(old, new)
     folder.write("sea.yaml", text)
-    done = asdic("detect", "sea.yaml", "-o", "out", "-f", "--json", "-q", cwd=folder.path).check(0)
+    done = asdic("detect", "sea.yaml", "-o", "out", "-f", "--json", "-q", *COARSE, cwd=folder.path).check(0)
     return json.loads(done.out)["tracks"]["by_chance"]
 
 
@@ -419,7 +421,7 @@ sonar:
   noise: {enabled: false}
   speckle: rayleigh
   receivers: [{name: ahead, length_h_m: 0.15}]
-mission: {pose: {position_m: [0, 0, 7]}, pings: 1200}
+mission: {pose: {position_m: [0, 0, 7]}, pings: 600}
 sampling: {rays: 8000}
 output: {images: [], csv: none}
 """
@@ -429,7 +431,7 @@ def test_few_rays_keep_the_false_alarm_rate():
     need_device()
     with Folder() as folder:
         folder.write("few.yaml", FEW)
-        done = asdic("detect", "few.yaml", "-o", "out", "--json", cwd=folder.path).check(0)
+        done = asdic("detect", "few.yaml", "-o", "out", "--json", *COARSE, cwd=folder.path).check(0)
         report = json.loads(done.out)
         rate = report["pfa_measured"]["value"]  # 1.25e-3 where the error is not allowed for
         tap.equal(0.8e-3 < rate < 1.1e-3, True, f"{rate}")
@@ -443,7 +445,7 @@ def test_a_large_sampling_error_is_a_warning():
     need_device()
     with Folder() as folder:
         for rays, mark in ((6000, "warning: "), (12000, "")):
-            folder.write("some.yaml", FEW.replace("rays: 8000", f"rays: {rays}").replace("pings: 1200", "pings: 24"))
+            folder.write("some.yaml", FEW.replace("rays: 8000", f"rays: {rays}").replace("pings: 600", "pings: 24"))
             done = asdic("detect", "some.yaml", "-o", f"out{rays}", "--json", cwd=folder.path).check(0)
             report = json.loads(done.out)
             error_db, lift_db = report["sampling_error_db"], report["sampling_lift_db"]
@@ -480,13 +482,13 @@ output: {images: [], csv: none}
 def test_a_background_is_simulated_over_a_mesh():
     need_device()
     with Folder() as folder:
-        folder.write("waves.yaml", WAVES % (DATA / "meshes/terrain.ply"))
+        folder.write("waves.yaml", WAVES.replace("pings: 40", "pings: 20") % (DATA / "meshes/terrain.ply"))
         scene = pathlib.Path(folder.path) / "waves.yaml"
         out = pathlib.Path(folder.path) / "out"
         asdic("run", "waves.yaml", "-o", "out", "-q", cwd=folder.path).check(0)
 
         def detect(*options):
-            done = asdic("detect", "out", "--json", "--force", *options, cwd=folder.path).check(0)
+            done = asdic("detect", "out", "--json", "--force", *COARSE, *options, cwd=folder.path).check(0)
             return json.loads(done.out), done.err
 
         found, said = detect()
@@ -496,8 +498,8 @@ def test_a_background_is_simulated_over_a_mesh():
         tap.equal(0.5e-3 < rate < 2e-3, True, f"P_FA {rate} of 1e-3")
         tracks = found["tracks"]
         others = tracks["confirmed"] - tracks["on_objects"]
-        tap.equal(tracks["on_objects"] >= 1 and others <= 3, True, f"{tracks}")
-        ball = [o for o in found["objects"] if o["pings_detected"] > 30]
+        tap.equal(tracks["on_objects"] >= 1 and others <= 1, True, f"{tracks}")
+        ball = [o for o in found["objects"] if o["pings_detected"] > 15]
         tap.equal(len(ball) >= 1, True, "the ball is found")
         # What neighbours say of sand waves, and what a plane would return.
         for other in "cfar", "flat":
@@ -687,8 +689,9 @@ def test_echoes_are_named_by_where_they_are_heard():
     need_device()
     with Folder() as folder:
         deep = POINTS.replace("[20, 12, 50]", "[300, 0, 100]").replace("[-23.3238, 0, 50]", "[305, 0, 100]")
-        deep = deep.replace("[0, 0, 50]", "[0, 0, 5]").replace("sonar:", "sonar:\n  ping_rate_hz: 2")
-        water = "environment: {sound_speed_mps: 1500, sound_speed_gradient_per_s: -0.5}\n"
+        deep = deep.replace("[0, 0, 50]", "[0, 0, 5]").replace("sonar:", "sonar:\n  ping_rate_hz: 2\n  max_range_m: 330")
+        water = ("environment: {sound_speed_mps: 1500, sound_speed_gradient_per_s: -0.5}\n"
+                 "model: {refraction: full}\n")
         deep = water + deep.replace("source_level_db: 200", "source_level_db: 220")
         tap.equal(named(folder, deep.replace("{name: f}", "{name: f, pitch_deg: 18}")), {"ahead", "astern"})
 
