@@ -12,17 +12,19 @@ static void pings_meet_quadrature(void **state) {
     (void)state;
     for (size_t k = 0; k < sizeof gradients / sizeof *gradients; k++) {
         difference d[2], part[3];
+        asdic_ping *truth = NULL;
         for (int many = 0; many < 2; many++) {
             ping_rig r = bent_rig(gradients[k], many ? 1u << 18 : 4096u);
-            asdic_ping *ping = rig_shoot(&r, 0, true), *truth = expected(&r, ping);
+            asdic_ping *ping = rig_shoot(&r, 0, true);
+            truth = truth ? truth : expected(&r, ping); /* whatever the rays */
             d[many] = compare(ping, truth, ASDIC_TOTAL);
             for (int c = 0; c < 3; c++) {
                 part[c] = compare(ping, truth, each[c]);
             }
-            asdic_ping_destroy(&truth);
             asdic_ping_destroy(&ping);
             rig_destroy(&r);
         }
+        asdic_ping_destroy(&truth);
         print_message("%6.3f 1/s: r.m.s. %.4f dB of 4,096 rays; of 262,144 %.4f, bottom %.4f, "
                       "surface %.4f, volume %.4f\n",
                       gradients[k], d[0].rms_db, d[1].rms_db, part[0].rms_db, part[1].rms_db,
@@ -134,16 +136,17 @@ static void large_triangles_are_a_plane(void **state) {
             asdic_scene_destroy(&r.scene);
             r.scene = bottom_of_two_triangles();
             r.sampling.kernel = kernels[k];
-            asdic_ping *ping = rig_shoot(&r, 0, true), *truth = expected(&r, ping);
-            difference d = compare(ping, truth, ASDIC_TOTAL);
-            print_message("%d 1/s, two triangles: r.m.s. %.4f dB, most %.3f\n", sign, d.rms_db,
-                          d.most_db);
-            assert_true(d.rms_db < 0.03 && d.most_db < 0.3);
-            assert_true(k == 0 || rig_same(ping, first));
-            asdic_ping_destroy(&truth);
+            asdic_ping *ping = rig_shoot(&r, 0, true);
             if (k == 0) {
+                asdic_ping *truth = expected(&r, ping);
+                difference d = compare(ping, truth, ASDIC_TOTAL);
+                print_message("%d 1/s, two triangles: r.m.s. %.4f dB, most %.3f\n", sign, d.rms_db,
+                              d.most_db);
+                assert_true(d.rms_db < 0.03 && d.most_db < 0.3);
+                asdic_ping_destroy(&truth);
                 first = ping;
             } else {
+                assert_true(rig_same(ping, first));
                 asdic_ping_destroy(&ping);
             }
             rig_destroy(&r);
@@ -381,6 +384,7 @@ static void layers_meet_quadrature(void **state) {
          0.01}};
     (void)state;
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        asdic_ping *truth = NULL;
         for (int mesh = 0; mesh < 2; mesh++) {
             ping_rig r = bent_rig(0.0, 1u << 16);
             r.env.sound_speed_profile = cases[k].cast;
@@ -389,7 +393,8 @@ static void layers_meet_quadrature(void **state) {
                 r.scene = bottom_of_two_triangles();
                 r.layout.width = k == 0 ? 1 : r.layout.width; /* as on a GPU */
             }
-            asdic_ping *ping = rig_shoot(&r, 0, true), *truth = expected(&r, ping);
+            asdic_ping *ping = rig_shoot(&r, 0, true);
+            truth = truth ? truth : expected(&r, ping); /* the same plane */
             difference d = compare(ping, truth, ASDIC_TOTAL),
                        b = compare(ping, truth, ASDIC_BOTTOM),
                        s = compare(ping, truth, ASDIC_SURFACE),
@@ -399,10 +404,10 @@ static void layers_meet_quadrature(void **state) {
                           k, mesh ? "triangles" : "plane", d.rms_db, d.most_db, b.rms_db, s.rms_db,
                           v.rms_db);
             assert_true(d.rms_db < cases[k].rms_db && s.rms_db < 0.05 && b.rms_db < 0.05);
-            asdic_ping_destroy(&truth);
             asdic_ping_destroy(&ping);
             rig_destroy(&r);
         }
+        asdic_ping_destroy(&truth);
     }
 }
 
