@@ -75,8 +75,7 @@ static void sea_end(sea *s) {
 
 /* ---- the map -------------------------------------------------------------------------------- */
 
-/* Many beams share what they hear, so that fewer maps say as much. */
-enum { MAP_PINGS = 4, MAPS = 50, MAPS_OF_MANY = 20, MANY_BEAMS = 128 };
+enum { MAP_PINGS = 4, MAPS = 20 };
 
 /* Share of cells above even odds after each of MAP_PINGS, of single beams with Rayleigh speckle and
  * one look: likelihood ratio e^(snr x / (1 + snr)) / (1 + snr) of an intensity x, by chance. */
@@ -100,8 +99,7 @@ static void measure_map(size_t beams, size_t elevations, const asdic_detector *d
     sea s;
     sea_begin(&s, beams, elevations, d);
     double cells = 0.0;
-    uint64_t maps = beams > MANY_BEAMS ? MAPS_OF_MANY : MAPS;
-    for (uint64_t m = 0; m < maps; m++) {
+    for (uint64_t m = 0; m < MAPS; m++) {
         asdic_occupancy *map = NULL;
         asdic_vec3 low = {0.0, -6.0, 0.0}, high = {19.0, 6.0, 0.0};
         assert_ok(device.ctx,
