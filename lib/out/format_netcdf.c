@@ -94,7 +94,7 @@ static void put_numbers(netcdf *f, int group, int dimension, const label *name, 
     int id = asdic_nc_variable(&f->nc, group, name->name, NC_DOUBLE, dimension >= 0, &dimension,
                                name->long_name, units);
     if (id >= 0) {
-        asdic_nc_check(&f->nc, nc_put_var_double(group, id, values));
+        asdic_nc_check(&f->nc, f->nc.call.put_var_double(group, id, values));
     }
 }
 
@@ -233,7 +233,7 @@ static void put_beam_names(netcdf *f, int group, int dimension, const asdic_sona
     int id = asdic_nc_variable(&f->nc, group, "beam", NC_STRING, 1, &dimension, "beam name", NULL);
     for (size_t i = 0; i < f->beams && id >= 0; i++) {
         const char *name = sonar->receivers[i].name;
-        if (!asdic_nc_check(&f->nc, nc_put_var1_string(group, id, &i, &name))) {
+        if (!asdic_nc_check(&f->nc, f->nc.call.put_var1_string(group, id, &i, &name))) {
             return;
         }
     }
@@ -274,12 +274,12 @@ static int define_level(netcdf *f, int group, const label *name, const int dimen
     const float fill = NAN;
     int id = asdic_nc_variable(&f->nc, group, name->name, NC_FLOAT, 3, dimensions, name->long_name,
                                "dB");
-    if (id >= 0 && asdic_nc_check(&f->nc, nc_def_var_fill(group, id, NC_FILL, &fill)) &&
-        asdic_nc_check(&f->nc, nc_def_var_chunking(group, id, NC_CHUNKED, chunks)) &&
-        asdic_nc_check(&f->nc, nc_def_var_deflate(group, id, 1, 1, DEFLATE_LEVEL))) {
+    if (id >= 0 && asdic_nc_check(&f->nc, f->nc.call.def_var_fill(group, id, NC_FILL, &fill)) &&
+        asdic_nc_check(&f->nc, f->nc.call.def_var_chunking(group, id, NC_CHUNKED, chunks)) &&
+        asdic_nc_check(&f->nc, f->nc.call.def_var_deflate(group, id, 1, 1, DEFLATE_LEVEL))) {
         /* Every chunk is written whole, once; netCDF's cache of 16 MiB a variable would be of no
          * use. */
-        asdic_nc_check(&f->nc, nc_set_var_chunk_cache(group, id, 1, 1, 1.0f));
+        asdic_nc_check(&f->nc, f->nc.call.set_var_chunk_cache(group, id, 1, 1, 1.0f));
     }
     return id;
 }
@@ -314,9 +314,10 @@ static void define_truth(netcdf *f, const int dimensions[3]) {
         int id = asdic_nc_variable(&f->nc, f->beam_group, asdic_truth_fields[i].name,
                                    is_number ? NC_SHORT : NC_FLOAT, 3, dimensions, truth_names[i],
                                    i + 1 == ASDIC_TRUTH_FIELDS ? "rad" : "1");
-        if (id >= 0 &&
-            asdic_nc_check(&f->nc, nc_def_var_chunking(f->beam_group, id, NC_CHUNKED, chunks))) {
-            asdic_nc_check(&f->nc, nc_def_var_deflate(f->beam_group, id, 1, 1, DEFLATE_LEVEL));
+        if (id >= 0 && asdic_nc_check(&f->nc, f->nc.call.def_var_chunking(f->beam_group, id,
+                                                                          NC_CHUNKED, chunks))) {
+            asdic_nc_check(&f->nc,
+                           f->nc.call.def_var_deflate(f->beam_group, id, 1, 1, DEFLATE_LEVEL));
         }
         f->truth_ids[i] = id;
     }
@@ -325,8 +326,8 @@ static void define_truth(netcdf *f, const int dimensions[3]) {
 static void write_truth(netcdf *f, const asdic_ping_truth *truth, size_t ping) {
     const size_t start[3] = {ping, 0, 0}, count[3] = {1, f->beams, f->bins};
     for (size_t i = 0; i < ASDIC_TRUTH_FIELDS && f->truth && truth->share; i++) {
-        asdic_nc_check(&f->nc, nc_put_vara(f->beam_group, f->truth_ids[i], start, count,
-                                           asdic_truth_values(truth, i)));
+        asdic_nc_check(&f->nc, f->nc.call.put_vara(f->beam_group, f->truth_ids[i], start, count,
+                                                   asdic_truth_values(truth, i)));
     }
 }
 
@@ -452,28 +453,29 @@ static asdic_status flush(netcdf *f) {
     if (f->buffered == 0) {
         return ASDIC_OK;
     }
-    asdic_nc_check(&f->nc, nc_put_vara_ulonglong(f->beam_group, f->ping_id, start, count,
+    asdic_nc_check(&f->nc,
+                   f->nc.call.put_vara_ulonglong(f->beam_group, f->ping_id, start, count,
                                                  (const unsigned long long *)f->ping_numbers));
     for (int i = 0; i < 3 && f->sweep.directions; i++) {
-        asdic_nc_check(&f->nc, nc_put_vara_double(f->beam_group, f->axis_ids[i], start, count,
-                                                  f->turned_axes[i]));
+        asdic_nc_check(&f->nc, f->nc.call.put_vara_double(f->beam_group, f->axis_ids[i], start,
+                                                          count, f->turned_axes[i]));
     }
     for (int i = 0; i < SERIES_COUNT; i++) {
         int group = i <= HEAD ? f->beam_group : f->platform;
         if (i == HEAD && !f->sweep.directions) {
             continue;
         }
-        asdic_nc_check(&f->nc,
-                       nc_put_vara_double(group, f->series_ids[i], start, count, f->series[i]));
+        asdic_nc_check(&f->nc, f->nc.call.put_vara_double(group, f->series_ids[i], start, count,
+                                                          f->series[i]));
     }
     for (int i = 0; i < ASDIC_RECORD_ARRAYS && f->nc.failure == NC_NOERR; i++) {
-        asdic_nc_check(&f->nc, nc_put_vara_float(f->beam_group, f->level_ids[i], start, count,
-                                                 f->levels_db[i]));
+        asdic_nc_check(&f->nc, f->nc.call.put_vara_float(f->beam_group, f->level_ids[i], start,
+                                                         count, f->levels_db[i]));
     }
-    asdic_nc_check(
-        &f->nc, nc_put_vara_double(f->nc.id, f->root_time_id, start, count, f->series[PING_TIME]));
-    asdic_nc_check(&f->nc, nc_put_vara_float(f->nc.id, f->root_level_id, start, count,
-                                             f->levels_db[ASDIC_TOTAL]));
+    asdic_nc_check(&f->nc, f->nc.call.put_vara_double(f->nc.id, f->root_time_id, start, count,
+                                                      f->series[PING_TIME]));
+    asdic_nc_check(&f->nc, f->nc.call.put_vara_float(f->nc.id, f->root_level_id, start, count,
+                                                     f->levels_db[ASDIC_TOTAL]));
     f->written += f->buffered;
     f->buffered = 0;
     return asdic_nc_status(&f->nc);

@@ -1,8 +1,10 @@
 #include "netcdf_file.h"
 
+#include "asdic_config.h"
 #include "base/context.h"
 #include "file.h"
 
+#include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
@@ -17,8 +19,27 @@ bool asdic_nc_check(asdic_nc *nc, int code) {
     return nc->failure == NC_NOERR;
 }
 
+/* The library stays: HDF5 cleans up at the end of the process. */
+static asdic_status load(asdic_nc *nc) {
+    void *library = dlopen(ASDIC_NETCDF, RTLD_NOW);
+    bool is_whole = library != NULL;
+#define FIND(name)                                                                                 \
+    nc->call.name = library ? (__typeof__(nc->call.name))dlsym(library, "nc_" #name) : NULL;       \
+    is_whole = is_whole && nc->call.name;
+    ASDIC_NC_FUNCTIONS(FIND)
+#undef FIND
+    return is_whole ? ASDIC_OK
+                    : asdic_fail(nc->ctx, ASDIC_ERROR_UNSUPPORTED,
+                                 "cannot write '%s' without netCDF: %s", nc->path, dlerror());
+}
+
 asdic_status asdic_nc_create(asdic_context *ctx, const char *path, asdic_nc *out) {
     *out = (asdic_nc){.ctx = ctx, .path = strdup(path)};
+    asdic_status loaded = out->path ? load(out) : ASDIC_OK;
+    if (loaded != ASDIC_OK) {
+        asdic_nc_discard(out);
+        return loaded;
+    }
     if (!out->path || asprintf(&out->part, "%s.part", path) < 0) {
         out->part = NULL;
         asdic_nc_discard(out);
@@ -26,7 +47,7 @@ asdic_status asdic_nc_create(asdic_context *ctx, const char *path, asdic_nc *out
     }
     int code = unlink(out->part) != 0 && errno != ENOENT
                    ? errno
-                   : nc_create(out->part, NC_NETCDF4 | NC_NOCLOBBER, &out->id);
+                   : out->call.create(out->part, NC_NETCDF4 | NC_NOCLOBBER, &out->id);
     out->is_open = code == NC_NOERR;
     if (!asdic_nc_check(out, code)) {
         asdic_status status = asdic_nc_status(out);
@@ -39,7 +60,7 @@ asdic_status asdic_nc_create(asdic_context *ctx, const char *path, asdic_nc *out
 int asdic_nc_group(asdic_nc *nc, int parent, const char *name) {
     int id = -1;
     if (nc->failure == NC_NOERR) {
-        asdic_nc_check(nc, nc_def_grp(parent, name, &id));
+        asdic_nc_check(nc, nc->call.def_grp(parent, name, &id));
     }
     return id;
 }
@@ -47,15 +68,15 @@ int asdic_nc_group(asdic_nc *nc, int parent, const char *name) {
 int asdic_nc_dimension(asdic_nc *nc, int group, const char *name, size_t length) {
     int id = -1;
     if (nc->failure == NC_NOERR) {
-        asdic_nc_check(nc, nc_def_dim(group, name, length, &id));
+        asdic_nc_check(nc, nc->call.def_dim(group, name, length, &id));
     }
     return id;
 }
 
 void asdic_nc_texts(asdic_nc *nc, int group, int variable, const asdic_nc_attribute *attributes) {
     for (; attributes->name && nc->failure == NC_NOERR; attributes++) {
-        asdic_nc_check(nc, nc_put_att_text(group, variable, attributes->name,
-                                           strlen(attributes->value), attributes->value));
+        asdic_nc_check(nc, nc->call.put_att_text(group, variable, attributes->name,
+                                                 strlen(attributes->value), attributes->value));
     }
 }
 
@@ -63,7 +84,7 @@ int asdic_nc_variable(asdic_nc *nc, int group, const char *name, nc_type type, i
                       const int *dimensions, const char *long_name, const char *units) {
     int id = -1;
     if (nc->failure != NC_NOERR ||
-        !asdic_nc_check(nc, nc_def_var(group, name, type, rank, dimensions, &id))) {
+        !asdic_nc_check(nc, nc->call.def_var(group, name, type, rank, dimensions, &id))) {
         return -1;
     }
     const asdic_nc_attribute texts[] = {
@@ -79,7 +100,7 @@ asdic_status asdic_nc_status(const asdic_nc *nc) {
     /* Codes above zero are the system's. */
     return asdic_fail(nc->ctx, nc->failure == NC_ENOMEM ? ASDIC_ERROR_MEMORY : ASDIC_ERROR_IO,
                       "cannot write '%s': %s", nc->part ? nc->part : nc->path,
-                      nc_strerror(nc->failure));
+                      nc->call.strerror(nc->failure));
 }
 
 /* The file gets its name only after its bytes are on the disk. */
@@ -93,7 +114,7 @@ static int sync_file(const char *path) {
 }
 
 asdic_status asdic_nc_commit(asdic_nc *nc) {
-    int code = nc_close(nc->id);
+    int code = nc->call.close(nc->id);
     nc->is_open = false;
     if (asdic_nc_check(nc, code) && asdic_nc_check(nc, sync_file(nc->part)) &&
         rename(nc->part, nc->path) != 0) {
@@ -110,7 +131,7 @@ asdic_status asdic_nc_commit(asdic_nc *nc) {
 
 void asdic_nc_discard(asdic_nc *nc) {
     if (nc->is_open) {
-        nc_abort(nc->id);
+        nc->call.abort(nc->id);
     }
     if (nc->part) {
         unlink(nc->part);

@@ -9,8 +9,37 @@
 
 #include <netcdf.h>
 
+/* netCDF's functions, found when a file is made: the library loads forty others, which a run
+ * without this file need not wait for. */
+#define ASDIC_NC_FUNCTIONS(X)                                                                      \
+    X(abort)                                                                                       \
+    X(close)                                                                                       \
+    X(create)                                                                                      \
+    X(def_dim)                                                                                     \
+    X(def_grp)                                                                                     \
+    X(def_var)                                                                                     \
+    X(def_var_chunking)                                                                            \
+    X(def_var_deflate)                                                                             \
+    X(def_var_fill)                                                                                \
+    X(put_att_text)                                                                                \
+    X(put_var1_string)                                                                             \
+    X(put_var_double)                                                                              \
+    X(put_vara)                                                                                    \
+    X(put_vara_double)                                                                             \
+    X(put_vara_float)                                                                              \
+    X(put_vara_ulonglong)                                                                          \
+    X(set_var_chunk_cache)                                                                         \
+    X(strerror)
+
+typedef struct asdic_nc_functions {
+#define MEMBER(name) __typeof__(nc_##name) *name;
+    ASDIC_NC_FUNCTIONS(MEMBER)
+#undef MEMBER
+} asdic_nc_functions;
+
 typedef struct asdic_nc {
     asdic_context *ctx;
+    asdic_nc_functions call;
     char *path, *part;
     int id;
     bool is_open;
