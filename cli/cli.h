@@ -120,6 +120,11 @@ bool cli_picture_is_apart(cli *c, const char *path);
 /* The mission of the first operand, with RAYS a ping in place of what its scene says; 0: as it says. */
 asdic_status cli_load_rays(cli *c, uint64_t rays, asdic_mission **out);
 
+/* ---- modules --------------------------------------------------------------------------------
+ * Parts of the program that few commands need, each with a library that loads dozens of others. NULL
+ * after a message. */
+void *cli_module(const cli *c, const char *name, const char *function);
+
 /* ---- devices --------------------------------------------------------------------------------
  * Those of --device, else of the environment's ASDIC_DEVICE, else "auto". Closed with
  * asdic_devices_close. On failure nothing is open; end with cli_end. */

@@ -296,7 +296,8 @@ static int serve_topics(server *s, bool is_odometry) {
     about.bins = s->writer.bins;
     about.sound_speed_mps =
         asdic_environment_sound_speed_mps(asdic_mission_environment(s->mission), depth_m);
-    return serve_ros2(s->c, &topics, &about, &pinger);
+    __typeof__(serve_ros2) *by_topics = cli_module(s->c, "ros2", "serve_ros2");
+    return by_topics ? by_topics(s->c, &topics, &about, &pinger) : CLI_FAILED;
 }
 
 /* What goes with topics alone, and with lines alone. */

@@ -94,9 +94,11 @@ static int show(view_job *job, const request *r, size_t mission_pings, const cha
     if (r->y4m) {
         return view_stream(job, r->y4m);
     }
-    return r->snapshots
-               ? view_snapshots(job, r->snapshots, pings, folder, cli_given(job->c, "force"))
-               : view_window(job);
+    if (r->snapshots) {
+        return view_snapshots(job, r->snapshots, pings, folder, cli_given(job->c, "force"));
+    }
+    __typeof__(view_window) *window = cli_module(job->c, "window", "view_window");
+    return window ? window(job) : CLI_FAILED;
 }
 
 /* A recording reports last, whatever ended the view. */

@@ -97,7 +97,7 @@ typedef struct serve_pinger {
 } serve_pinger;
 
 /* Serves topics in place of lines until it is interrupted; the program's exit code. ABOUT: world_frame is
- * that which poses must name. */
+ * that which poses must name. Of the module "ros2". */
 int serve_ros2(cli *c, const serve_ros2_options *options, const asdic_ros_about *about,
                const serve_pinger *pinger);
 

@@ -25,7 +25,11 @@ bool cli_team_begin(cli *c, asdic_team **out) {
         return true;
     }
 #ifdef CLI_HAVE_MPI
-    if (cli_mpi_begin(cli_context(c), out) != ASDIC_OK) {
+    __typeof__(cli_mpi_begin) *begin = cli_module(c, "mpi", "cli_mpi_begin");
+    if (!begin) {
+        return false;
+    }
+    if (begin(cli_context(c), out) != ASDIC_OK) {
         cli_error(c, "%s", asdic_context_error(cli_context(c)));
         return false;
     }
@@ -54,7 +58,10 @@ void cli_team_end(cli *c, asdic_team **team) {
         cli_error(c, "%s", asdic_context_error(cli_context(c)));
     }
 #ifdef CLI_HAVE_MPI
-    cli_mpi_end(team);
+    __typeof__(cli_mpi_end) *end = cli_module(c, "mpi", "cli_mpi_end");
+    if (end) {
+        end(team);
+    }
 #endif
 }
 

@@ -17,7 +17,7 @@ void cli_team_end(cli *c, asdic_team **team);
  * exit code. */
 bool cli_team_is_worker(const asdic_team *team);
 
-/* By MPI (team_mpi.c); *OUT is NULL when there is only one process. */
+/* Of the module "mpi"; *OUT is NULL when there is only one process. */
 asdic_status cli_mpi_begin(asdic_context *ctx, asdic_team **out);
 void cli_mpi_end(asdic_team **team);
 

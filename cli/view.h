@@ -33,6 +33,6 @@ bool view_next(view_job *job, asdic_status *status);
 /* Each shows the view until it is over and returns an exit code. */
 int view_stream(view_job *job, const char *path);
 int view_snapshots(view_job *job, size_t count, size_t pings, const char *folder, bool force);
-int view_window(view_job *job);
+int view_window(view_job *job); /* of the module "window" */
 
 #endif
