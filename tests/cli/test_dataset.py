@@ -16,8 +16,8 @@ SYSTEM_PYTHON = "/usr/bin/python3"  # Debian's, which has Debian's numpy and PIL
 SCENE = """version: 1
 bottom: {depth_m: 10, lambert_db: -30}
 objects:
-  - {name: ball, sphere: {radius_m: 1.2, segments: 256}, position_m: [9, 0, 8.8], material: {lambert_db: -8}}
-  - {name: post, sphere: {radius_m: 0.8, segments: 256}, position_m: [6, 1, 9.2], material: {lambert_db: -8}}
+  - {name: ball, sphere: {radius_m: 1.2, segments: SEGMENTS}, position_m: [9, 0, 8.8], material: {lambert_db: -8}}
+  - {name: post, sphere: {radius_m: 0.8, segments: SEGMENTS}, position_m: [6, 1, 9.2], material: {lambert_db: -8}}
 sonar:
   frequency_khz: 300
   bandwidth_khz: 20
@@ -40,8 +40,8 @@ trial:
 """
 
 
-def scene(folder, rays=4000, **edits):
-    text = SCENE.replace("RAYS", str(rays))
+def scene(folder, rays=4000, segments=32, **edits):
+    text = SCENE.replace("RAYS", str(rays)).replace("SEGMENTS", str(segments))
     for old, new in edits.values():
         tap.contains(text, old)
         text = text.replace(old, new)
@@ -352,7 +352,7 @@ assert polygons >= 8 and worst >= 0.99, (polygons, worst)
 def test_masks_are_those_of_rays():
     program.need_device()
     with Folder() as folder:
-        asdic("dataset", scene(folder, rays=6000000), "-n", "1", "--range-db", "0:100",
+        asdic("dataset", scene(folder, rays=6000000, segments=256), "-n", "1", "--range-db", "0:100",
               "-o", folder / "d").check(code=0)
         tap.equal(json.loads(folder.read("d/dataset.json"))["classes"], ["ball", "post"], "classes")
         tap.equal(folder.read("d/classes.txt"), "ball\npost\n", "classes.txt")

@@ -191,6 +191,8 @@ def test_large_pings_write_no_table_unless_asked():
         tap.contains(said, "no bins.csv, which would have some 100 bytes for each bin of 334 beams")
         asdic("detect", folder / "r", "--background", "flat").check(code=0)
         asdic("render", folder / "r").check(code=0)
+        many = many.replace("[waterfall, ascope, fan]", "[]")
+        folder.write("pool.yaml", many)
         for k in (1, 2):
             asdic("run", path, "-o", folder / f"part{k}", "--shard", f"{k}/2").check(code=0)
         asdic("merge", folder / "part1", folder / "part2", "-o", folder / "whole").check(code=0)
@@ -237,7 +239,7 @@ def test_records_as_small_as_asked():
     with Folder() as folder:
         scene(folder, pings=4, rays=500, receivers=FAN)
         pool = folder.read("pool.yaml").replace("npy: true", "csv: none, npy: true")
-        pool = pool.replace("seed: 7", "seed: 7, multipath: off")  # a part less
+        pool = pool.replace("seed: 7", "seed: 7, multipath: off").replace("[waterfall, ascope, fan]", "[]")  # a part less
         sizes = {}
         for form in ("full", "compact", "levels"):
             path = folder.write(f"{form}.yaml", pool.replace("output: {", f"output: {{records: {form}, "))
