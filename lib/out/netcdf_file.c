@@ -22,15 +22,15 @@ bool asdic_nc_check(asdic_nc *nc, int code) {
 /* The library stays: HDF5 cleans up at the end of the process. */
 static asdic_status load(asdic_nc *nc) {
     void *library = dlopen(ASDIC_NETCDF, RTLD_NOW);
-    bool is_whole = library != NULL;
 #define FIND(name)                                                                                 \
     nc->call.name = library ? (__typeof__(nc->call.name))dlsym(library, "nc_" #name) : NULL;       \
-    is_whole = is_whole && nc->call.name;
+    if (!nc->call.name) {                                                                          \
+        return asdic_fail(nc->ctx, ASDIC_ERROR_UNSUPPORTED,                                        \
+                          "cannot write '%s' without netCDF: %s", nc->path, dlerror());            \
+    }
     ASDIC_NC_FUNCTIONS(FIND)
 #undef FIND
-    return is_whole ? ASDIC_OK
-                    : asdic_fail(nc->ctx, ASDIC_ERROR_UNSUPPORTED,
-                                 "cannot write '%s' without netCDF: %s", nc->path, dlerror());
+    return ASDIC_OK;
 }
 
 asdic_status asdic_nc_create(asdic_context *ctx, const char *path, asdic_nc *out) {

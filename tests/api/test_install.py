@@ -113,6 +113,19 @@ def test_libraries_go_where_loaders_look():
     tap.equal([o["value"] for o in options if o["name"] == "libdir"], ["lib"])
 
 
+def test_the_program_finds_its_parts_where_they_are_installed():
+    """Of a window, which there is not: the part says so, or that it was built without. Alone, the program misses it."""
+    tree = Tree()
+    program = next(os.path.join(folder, "asdic") for folder, _, names in os.walk(Tree.path)
+                   if os.path.basename(folder) == "bin" and "asdic" in names)
+    lone = shutil.copy(program, os.path.join(Tree.path, "asdic_alone"))
+    said = [subprocess.run([path, "view", SCENE], env={**tree.env, "SDL_VIDEODRIVER": "none"}, check=False,
+                           capture_output=True, text=True, timeout=300) for path in (program, lone)]
+    tap.equal([done.returncode for done in said], [1, 1])
+    assert re.search("cannot open a display|without SDL2", said[0].stderr), said[0].stderr
+    tap.contains(said[1].stderr, "cannot load this program's part 'window': it is missing")
+
+
 def test_manual_pages_are_installed():
     tree = Tree()
     pages = [name for _, _, names in os.walk(Tree.path) for name in names]
