@@ -33,6 +33,10 @@
 
 #define HALVINGS 10
 
+/* Share of its range, and change of its width's logarithm, in which two nodes hold the water of a bin to 1e-8:
+ * (1 / 4320) h^4 f'''' of f = d^-4 in h = 0.03 d. */
+#define SHORT 0.03
+
 /* How fine a ping is computed. */
 typedef struct fineness {
     double kink;   /* share by which sixteen nodes may differ from twice as many */
@@ -92,20 +96,23 @@ static double water_density(const water_part *part, double range_m) {
     return speed * speed * exp(-2.0 * job->absorption_np_per_m * (at.length_m - 1.0)) / spread;
 }
 
-/* Nodes on [0, 1], and their weights. */
-static double gauss(int i, bool many, double *weight) {
+/* Node I of 2, 4 or 16 on [0, 1], and its weight. */
+static double gauss(int i, int nodes, double *weight) {
+    static const double node2 = 0.577350269189625765;
     static const double node4[2] = {0.339981043584856265, 0.861136311594052575};
     static const double weight4[2] = {0.652145154862546143, 0.347854845137453857};
     double sign = i % 2 ? 0.5 : -0.5;
-    *weight = 0.5 * (many ? asdic_gauss16_weight[i / 2] : weight4[i / 2]);
-    return 0.5 + sign * (many ? asdic_gauss16_node[i / 2] : node4[i / 2]);
+    *weight = 0.5 * (nodes == 16 ? asdic_gauss16_weight[i / 2] : nodes == 4 ? weight4[i / 2] : 1.0);
+    return 0.5 + sign * (nodes == 16  ? asdic_gauss16_node[i / 2]
+                         : nodes == 4 ? node4[i / 2]
+                                      : node2);
 }
 
 /* From A to B, in y = 1 / d, in which straight water is even. */
-static double even_water(const water_part *part, double a, double b) {
+static double even_water(const water_part *part, double a, double b, int nodes) {
     double y0 = 1.0 / b, length = 1.0 / a - y0, sum = 0.0;
-    for (int i = 0; i < 4; i++) {
-        double weight, d = 1.0 / (y0 + length * gauss(i, false, &weight));
+    for (int i = 0; i < nodes; i++) {
+        double weight, d = 1.0 / (y0 + length * gauss(i, nodes, &weight));
         sum += weight * d * d * water_density(part, d);
     }
     return sum * length;
@@ -117,10 +124,11 @@ static double focused_water(const water_part *part, double a, double b, double w
                             double width_b) {
     double length = log(width_b / width_a), slope = (b - a) / (width_b - width_a), sum = 0.0;
     if (fabs(length) < 0.1 || !isfinite(length)) {
-        return even_water(part, a, b);
+        bool is_short = fabs(length) < SHORT && b < (1.0 + SHORT) * a;
+        return even_water(part, a, b, is_short ? 2 : 4);
     }
     for (int i = 0; i < 16; i++) {
-        double weight, width = width_a * exp(length * gauss(i, true, &weight));
+        double weight, width = width_a * exp(length * gauss(i, 16, &weight));
         sum += weight * fabs(width) * water_density(part, a + slope * (width - width_a));
     }
     return fabs(sum * length * slope);
@@ -149,8 +157,7 @@ static double find_focus(const water_part *part, double a, double b, double widt
 }
 
 /* From A to B, with cuts where a caustic begins and ceases to be held. */
-static double water(const water_part *part, double a, double b) {
-    double width_a = ray_at(part, a).width_m, width_b = ray_at(part, b).width_m;
+static double water(const water_part *part, double a, double b, double width_a, double width_b) {
     if (width_a * width_b > 0.0) {
         return focused_water(part, a, b, width_a, width_b);
     }
@@ -161,7 +168,7 @@ static double water(const water_part *part, double a, double b) {
         ASDIC_LEAST_SPREAD * focus * focus * at.speed_mps / at.area_m2_per_s / fabs(slope);
     double begin = fmax(focus - held, a), end = fmin(focus + held, b);
     return (begin > a ? focused_water(part, a, begin, width_a, slope * (begin - focus)) : 0.0) +
-           even_water(part, begin, end) +
+           even_water(part, begin, end, 4) +
            (end < b ? focused_water(part, end, b, slope * (end - focus), width_b) : 0.0);
 }
 
@@ -172,13 +179,16 @@ static void add_water(bent_job *job, const asdic_bent_ray *ray, double begin_m, 
     double at = fmax(begin_m, sonar->blanking_m), bin_m = sonar->bin_length_m;
     end_m = fmin(end_m, job->range_m);
     size_t n = (size_t)(at / bin_m);
+    double width = ray_at(&part, at).width_m;
     for (; n < job->ping->bins && at < end_m; n++) {
         double next = fmin((double)(n + 1) * bin_m, end_m);
         if (next > at) {
             job->first = n < job->first ? n : job->first;
             job->last = n > job->last ? n : job->last;
-            job->row[n] += water(&part, at, next);
+            double width_next = ray_at(&part, next).width_m;
+            job->row[n] += water(&part, at, next, width, width_next);
             at = next;
+            width = width_next;
         }
     }
 }
@@ -270,16 +280,16 @@ static void add_ray(bent_job *job, double elevation_rad, double weight) {
 static double ends(bent_job *job, const stretch *w, double s0, double s1) {
     double sum = 0.0;
     for (int i = 0; i < 16; i++) {
-        double weight, s = s0 + (s1 - s0) * gauss(i, true, &weight);
+        double weight, s = s0 + (s1 - s0) * gauss(i, 16, &weight);
         ray_outcome out = follow(job, elevation_at(w, s), false);
         sum += weight * slope_at(w, s) * boundary(job, &out);
     }
     return sum * (s1 - s0);
 }
 
-static void add_nodes(bent_job *job, const stretch *w, double s0, double s1, bool many) {
-    for (int i = 0; i < (many ? 16 : 4); i++) {
-        double weight, s = s0 + (s1 - s0) * gauss(i, many, &weight);
+static void add_nodes(bent_job *job, const stretch *w, double s0, double s1, int nodes) {
+    for (int i = 0; i < nodes; i++) {
+        double weight, s = s0 + (s1 - s0) * gauss(i, nodes, &weight);
         double elevation = elevation_at(w, s);
         add_ray(job, elevation, weight * (s1 - s0) * slope_at(w, s) * cos(elevation));
     }
@@ -305,7 +315,7 @@ static void add_panel(bent_job *job, const stretch *w, double s0, double s1, pan
         bool few = kind == PANEL_NARROW ? phase <= CYCLES4
                                         : kind == PANEL_WIDE && s1 - s0 <= fine->few_widest &&
                                               phase <= fine->few_cycles;
-        add_nodes(job, w, s0, s1, !few);
+        add_nodes(job, w, s0, s1, few ? 4 : 16);
     }
 }
 
