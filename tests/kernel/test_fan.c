@@ -177,9 +177,8 @@ static void fans_meet_the_quadrature(void **state) {
 /* Few rays of a narrow transmitter that looks beyond the fan: beams hear it by their side lobes. */
 static void a_transmitter_beside_the_fan_is_heard(void **state) {
     (void)state;
-    static const fan_case fan = {64, 30, 21.6, 36.8, 0.9, 15.4, 5.1, 0, 0, 30, true};
+    static const fan_case fan = {64, 30, 21.6, 36.8, 0.9, 15.4, 5.1, 0, 0, 30, true, 20000};
     ping_rig r = rig_of(&fan);
-    r.sampling.rays = 20000;
     r.sonar.transmitter.yaw_rad = -20.0 * RIG_DEGREE;
     asdic_ping *ping = shoot(&r, true);
     difference d = compare(&r, ping);
