@@ -122,11 +122,15 @@ static void add_lobe(asdic_sampler sampler, dev_lobe lobe, dev_lobe *lobes, unsi
     }
 }
 
-/* How long a beam's horizontal (ACROSS false) or vertical side is along azimuths, in wavelengths:
- * the longer one leads the way, it is narrower there. */
-static double along_azimuth(const dev_beam *beam, bool across) {
-    const float *row = beam->rows + (across ? 6 : 3);
-    return hypot(row[0], row[1]) * (across ? beam->length_v_wl : beam->length_h_wl);
+/* How long a beam's horizontal or vertical side is along azimuths, in wavelengths. */
+static double along_azimuth(const dev_beam *beam, bool vertical) {
+    const float *row = beam->rows + (vertical ? 6 : 3);
+    return hypot(row[0], row[1]) * (vertical ? beam->length_v_wl : beam->length_h_wl);
+}
+
+/* The ridge of the side that is longer, and so narrower, in azimuth: it leads the way. */
+static dev_lobe leading_ridge(const dev_beam *beam) {
+    return ridge_lobe(beam, along_azimuth(beam, true) > along_azimuth(beam, false));
 }
 
 static void add_beam(asdic_sampler sampler, const dev_beam *beam, dev_lobe *lobes,
@@ -135,9 +139,9 @@ static void add_beam(asdic_sampler sampler, const dev_beam *beam, dev_lobe *lobe
         add_lobe(sampler, beam_lobe(beam), lobes, count);
         return;
     }
+    add_lobe(sampler, leading_ridge(beam), lobes, count);
     /* A rolled or steep beam has its other ridge in reach too. */
     double along_h = along_azimuth(beam, false), along_v = along_azimuth(beam, true);
-    add_lobe(sampler, ridge_lobe(beam, along_v > along_h), lobes, count);
     if (fmin(along_h, along_v) > STEEP * fmax(along_h, along_v)) {
         add_lobe(sampler, ridge_lobe(beam, along_v <= along_h), lobes, count);
     }
@@ -188,8 +192,7 @@ static void add_sector(const dev_beam *transmitter, const dev_beam *receivers,
     lobe.scale_h = DEV_EVEN_SCALE;
     lobe.limit_rad = (float)fmin(0.5 * (most - least), ASDIC_PI);
     lobes[(*count)++] = lobe;
-    dev_lobe sender = ridge_lobe(transmitter, along_azimuth(transmitter, true) >
-                                                  along_azimuth(transmitter, false));
+    dev_lobe sender = leading_ridge(transmitter);
     double off = fabs(wrap(azimuth_of(&sender) - azimuth_of(&lobe)));
     if (sender.scale_h < NARROW_RAD && off > lobe.limit_rad) {
         lobes[(*count)++] = sender;

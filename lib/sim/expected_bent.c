@@ -98,14 +98,14 @@ static double water_density(const water_part *part, double range_m) {
 
 /* Node I of 2, 4 or 16 on [0, 1], and its weight. */
 static double gauss(int i, int nodes, double *weight) {
-    static const double node2 = 0.577350269189625765;
+    static const double node2[1] = {0.577350269189625765}, weight2[1] = {1.0};
     static const double node4[2] = {0.339981043584856265, 0.861136311594052575};
     static const double weight4[2] = {0.652145154862546143, 0.347854845137453857};
+    const double *node = nodes == 2 ? node2 : nodes == 4 ? node4 : asdic_gauss16_node;
+    const double *weights = nodes == 2 ? weight2 : nodes == 4 ? weight4 : asdic_gauss16_weight;
     double sign = i % 2 ? 0.5 : -0.5;
-    *weight = 0.5 * (nodes == 16 ? asdic_gauss16_weight[i / 2] : nodes == 4 ? weight4[i / 2] : 1.0);
-    return 0.5 + sign * (nodes == 16  ? asdic_gauss16_node[i / 2]
-                         : nodes == 4 ? node4[i / 2]
-                                      : node2);
+    *weight = 0.5 * weights[i / 2];
+    return 0.5 + sign * node[i / 2];
 }
 
 /* From A to B, in y = 1 / d, in which straight water is even. */
