@@ -8,9 +8,9 @@
 #define TERMS 24
 #define DEEPEST 6
 /* A series has converged when its last terms are this small beside the largest. */
-#define CONVERGED 1e-10
+#define CONVERGED 1e-8
 /* TERMS terms hold this many cycles of a two-way pattern. */
-#define CYCLES 2.5
+#define CYCLES 4.0
 /* Below this share of a piece's largest value the series is too coarse: the ring itself is summed. */
 #define NULL_SHARE 1e-4
 
@@ -33,6 +33,7 @@ struct asdic_ring_profile {
     asdic_ring ring;
     stretch stretches[5];
     size_t stretch_count;
+    double cosines[4 * TERMS]; /* of pi i / (2 TERMS) */
     piece *pieces;
     size_t count, capacity;
 };
@@ -46,12 +47,23 @@ static double position_of(const stretch *w, double elevation_rad) {
     return 2.0 / ASDIC_PI * asin(sqrt(fmin(fmax(share, 0.0), 1.0)));
 }
 
-/* Chebyshev coefficients from values at the TERMS nodes cos(pi (k + 1/2) / TERMS). */
-static void transform(const double *values, double *coefficients) {
+/* The TERMS nodes of a Chebyshev series, cos(pi (k + 1/2) / TERMS), and all that a transform needs. */
+static void find_cosines(double cosines[4 * TERMS]) {
+    for (int i = 0; i < 4 * TERMS; i++) {
+        cosines[i] = cos(0.5 * ASDIC_PI * i / TERMS);
+    }
+}
+
+static double node_at(const asdic_ring_profile *p, int k) {
+    return p->cosines[2 * k + 1];
+}
+
+/* Chebyshev coefficients from values at the nodes. */
+static void transform(const asdic_ring_profile *p, const double *values, double *coefficients) {
     for (int j = 0; j < TERMS; j++) {
         double sum = 0.0;
         for (int k = 0; k < TERMS; k++) {
-            sum += values[k] * cos(ASDIC_PI * j * (k + 0.5) / TERMS);
+            sum += values[k] * p->cosines[j * (2 * k + 1) % (4 * TERMS)];
         }
         coefficients[j] = sum * (j ? 2.0 : 1.0) / TERMS;
     }
@@ -110,20 +122,20 @@ static asdic_status fit(asdic_context *ctx, asdic_ring_profile *p, size_t at, do
     double sum[TERMS], solid[TERMS], series[TERMS];
     piece add = {.stretch = at, .s0 = s0, .s1 = s1};
     for (int k = 0; k < TERMS; k++) {
-        double s = 0.5 * (s0 + s1) + 0.5 * (s1 - s0) * cos(ASDIC_PI * (k + 0.5) / TERMS);
+        double s = 0.5 * (s0 + s1) + 0.5 * (s1 - s0) * node_at(p, k);
         double e = elevation_at(w, s);
         double slope = 0.5 * (w->end_rad - w->begin_rad) * ASDIC_PI * sin(ASDIC_PI * s);
         sum[k] = asdic_ring_sum(&p->ring, e);
         solid[k] = sum[k] * cos(e) * slope;
         add.largest = fmax(add.largest, sum[k]);
     }
-    transform(sum, add.sum);
+    transform(p, sum, add.sum);
     if (!converged(add.sum) && depth < DEEPEST) {
         double middle = 0.5 * (s0 + s1);
         TRY(fit(ctx, p, at, s0, middle, depth + 1));
         return fit(ctx, p, at, middle, s1, depth + 1);
     }
-    transform(solid, series);
+    transform(p, solid, series);
     integrate(series, 0.5 * (s1 - s0), add.integral);
     if (p->count) {
         const piece *last = &p->pieces[p->count - 1];
@@ -164,6 +176,7 @@ asdic_status asdic_ring_profile_create(asdic_context *ctx, const asdic_ring *rin
         return asdic_fail_memory(ctx, "the profile of a beam");
     }
     p->ring = *ring;
+    find_cosines(p->cosines);
     find_stretches(p);
     asdic_status status = fit_all(ctx, p);
     if (status) {

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Beams of a thread, some 15 ms each, between looks at whether to stop. */
+/* Beams of a thread, some 8 ms each, between looks at whether to stop. */
 #define BEAMS_PER_STEP 4
 
 /* The rings of all beams of a sonar at one attitude. */
