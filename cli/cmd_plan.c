@@ -13,7 +13,7 @@
 
 typedef struct forecast {
     bool known;
-    double first_s, learn_s, ping_s;    /* kernels and upload; once per block; every ping */
+    double first_s, learn_s, ping_s;    /* kernels and upload; a lesson; every ping */
     double write_s;                     /* every ping into the files */
     double median_db, worst_db, rms_db; /* stated standard error */
 } forecast;
@@ -91,9 +91,10 @@ static asdic_status measure(cli *c, asdic_mission *mission, asdic_device *device
     return status;
 }
 
-static double mission_seconds(const forecast *f, size_t pings) {
-    double blocks = ceil((double)pings / ASDIC_LEARN_BLOCK);
-    return f->first_s + blocks * f->learn_s + (double)pings * (f->ping_s + f->write_s);
+static double mission_seconds(const forecast *f, const asdic_mission *mission) {
+    size_t pings = asdic_mission_ping_count(mission);
+    double lessons = (double)asdic_mission_lessons(mission, 0, pings);
+    return f->first_s + lessons * f->learn_s + (double)pings * (f->ping_s + f->write_s);
 }
 
 static void print_bound(const asdic_plan_row *row, char *text, size_t size) {
@@ -150,10 +151,11 @@ static void print_text(const asdic_mission *mission, const asdic_plan *plan,
         printf("scan: %s\n", scan);
     }
     if (f->known) {
+        size_t lessons = asdic_mission_lessons(mission, 0, pings);
         printf("measured here: first ping after %.0f ms, then %.2f ms each and %.2f ms to write "
-               "it, and %.1f ms per block of %d: about %.1f s in all\n",
-               1e3 * f->first_s, 1e3 * f->ping_s, 1e3 * f->write_s, 1e3 * f->learn_s,
-               ASDIC_LEARN_BLOCK, mission_seconds(f, pings));
+               "it, and %.1f ms to learn, %zu time%s: about %.1f s in all\n",
+               1e3 * f->first_s, 1e3 * f->ping_s, 1e3 * f->write_s, 1e3 * f->learn_s, lessons,
+               lessons == 1 ? "" : "s", mission_seconds(f, mission));
     }
     if (f->known && !asdic_mission_sampling((asdic_mission *)mission)->coherent) {
         char heard[64] = "no bin is above the noise";
@@ -207,7 +209,9 @@ static void print_json(const asdic_mission *mission, const asdic_plan *plan,
         json_number(&j, "ping_ms", 1e3 * f->ping_s);
         json_number(&j, "write_ms", 1e3 * f->write_s);
         json_number(&j, "learn_ms", 1e3 * f->learn_s);
-        json_number(&j, "mission_s", mission_seconds(f, asdic_mission_ping_count(mission)));
+        json_integer(&j, "lessons",
+                     asdic_mission_lessons(mission, 0, asdic_mission_ping_count(mission)));
+        json_number(&j, "mission_s", mission_seconds(f, mission));
         json_number(&j, "stderr_rms_db", f->rms_db);
         json_number(&j, "stderr_median_db", f->median_db);
         json_number(&j, "stderr_worst_db", f->worst_db);

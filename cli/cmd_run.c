@@ -122,16 +122,16 @@ static void say_rough(const cli *c, const asdic_sonar *sonar, const asdic_tolera
     }
 }
 
-/* Finds the number of rays that --tolerance needs; prints it, and what it costs PINGS pings. */
+/* Finds the number of rays that --tolerance needs; prints it, and what it costs PINGS pings from FIRST on. */
 static asdic_status keep_tolerance(cli *c, asdic_mission *mission, asdic_device *device,
-                                   const asdic_tolerance *wanted, size_t pings) {
+                                   const asdic_tolerance *wanted, size_t first, size_t pings) {
     asdic_ray_budget found;
     TRY(asdic_mission_find_rays(cli_context(c), mission, device, wanted, &found));
     double kept = found.judged ? 1.0 - (double)found.rough_count / (double)found.judged : 1.0;
     cli_note(c, "tolerance %g dB: %u rays per ping keep it in %.4g %% of bins, worst bin %.3g dB",
              wanted->stderr_db, found.rays, 100.0 * kept, found.worst_db);
-    double blocks = ceil((double)pings / ASDIC_LEARN_BLOCK);
-    double seconds = found.ping_s * (double)pings + found.learn_s * blocks;
+    double lessons = (double)asdic_mission_lessons(mission, first, pings);
+    double seconds = found.ping_s * (double)pings + found.learn_s * lessons;
     cli_note(c, "  %zu %s about %.3g %s on one device", pings,
              pings == 1 ? "ping takes" : "pings take", seconds < 120.0 ? seconds : seconds / 60.0,
              seconds < 120.0 ? "s" : "minutes");
@@ -202,7 +202,7 @@ static asdic_status simulate(cli *c, asdic_mission *mission, const asdic_toleran
     options.user = &progress;
     if (!isnan(tolerance->stderr_db) && !cli_team_is_worker(options.team)) {
         cli_progress_watch(&progress);
-        status = keep_tolerance(c, mission, devices[0], tolerance, options.count);
+        status = keep_tolerance(c, mission, devices[0], tolerance, options.first, options.count);
         cli_progress_end(&progress);
     }
     if (status == ASDIC_OK) {

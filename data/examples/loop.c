@@ -58,7 +58,7 @@ static asdic_status swim(asdic_simulator *sim, asdic_ping *ping, double *latency
         asdic_pose pose = {.position_m = {.x = -60 + 0.15 * (double)i, .z = 12}};
         double start_s = now_s();
         asdic_status status = ASDIC_OK;
-        if (i % ASDIC_LEARN_BLOCK == 0)
+        if (asdic_simulator_learn_is_due(sim, &pose, i))
             status = asdic_simulator_learn(sim, &pose, i);
         if (!status)
             status = asdic_simulator_ping(sim, &pose, i, ping);

@@ -55,7 +55,7 @@ static asdic_pose sonar_pose(const asdic_loop *loop, uint64_t ping) {
                          : loop->pose;
 }
 
-/* Simulates ping NEXT - 1. The first pose of a block is learnt, as in a mission. */
+/* Simulates ping NEXT - 1, learning as in a mission. */
 static asdic_status simulate(asdic_loop *loop) {
     uint64_t index = loop->next - 1;
     loop_slot *slot = slot_of(loop, index);
@@ -63,7 +63,7 @@ static asdic_status simulate(asdic_loop *loop) {
     if (loop->mission) {
         TRY(asdic_mission_place_at(loop->mission, loop->simulator, time_of(loop, index)));
     }
-    if (index % ASDIC_LEARN_BLOCK == 0) {
+    if (asdic_simulator_learn_is_due(loop->simulator, &pose, index)) {
         TRY(asdic_simulator_learn(loop->simulator, &pose, index));
     }
     TRY(asdic_simulator_ping(loop->simulator, &pose, index, slot->ping));

@@ -96,6 +96,9 @@ void asdic_mission_forget_meshes(asdic_mission *mission);
 /* Of the object NAME; NULL: it stays where it is. */
 const asdic_track *asdic_mission_track_of(const asdic_mission *mission, const char *name);
 
+/* The ping at whose pose ping FIRST learns; of it and the MOST - 1 after it the first COUNT do. */
+size_t asdic_mission_lesson(const asdic_mission *mission, size_t first, size_t most, size_t *count);
+
 /* Puts the objects that move where they are at TIME_S of the pings' clock. */
 asdic_status asdic_mission_place_at(const asdic_mission *mission, asdic_simulator *simulator,
                                     double time_s);

@@ -40,8 +40,12 @@ static bool have_common_axis(const asdic_beam *receivers, size_t count) {
     return true;
 }
 
+bool asdic_beam_fan_is_wanted(const asdic_sonar *sonar) {
+    return sonar->receiver_count >= LEAST_RECEIVERS;
+}
+
 void asdic_beam_fan_plan(const asdic_sonar *sonar, asdic_beam_fan *fan) {
-    fan->many = sonar->receiver_count >= LEAST_RECEIVERS;
+    fan->many = asdic_beam_fan_is_wanted(sonar);
     fan->common_axis = fan->many && have_common_axis(sonar->receivers, sonar->receiver_count);
 }
 

@@ -22,7 +22,7 @@ typedef struct asdic_beam_fan {
     unsigned blocks;  /* of rays, that are sorted at the same time */
     unsigned width;   /* receivers of a vector */
     size_t sums;      /* of a bin and receiver: components, and where truth is wanted depressions */
-    size_t row;       /* floats of the results of one sum and receiver: bins, and what fills lines up */
+    size_t row; /* floats of the results of one sum and receiver: bins, and what fills lines up */
     asdic_kernel *count, *place, *scatter, *runs, *project;
     asdic_buffer *counts, *made, *lists, *entries;
     asdic_fetch **fetches; /* a tile's each, on their way to the host, then those of its truth */
@@ -30,6 +30,9 @@ typedef struct asdic_beam_fan {
     pthread_mutex_t lock;
     atomic_size_t fetched; /* tiles that are there: they come in order */
 } asdic_beam_fan;
+
+/* Whether receivers are many. */
+bool asdic_beam_fan_is_wanted(const asdic_sonar *sonar);
 
 /* Fills MANY and COMMON_AXIS. */
 void asdic_beam_fan_plan(const asdic_sonar *sonar, asdic_beam_fan *fan);

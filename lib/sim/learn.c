@@ -1,6 +1,7 @@
 /*
  * Learning where rays matter. Pilot pings at the first pose of a block of pings show how much of each bin's
- * energy each cell of elevation and azimuth brings. The block's pings then draw their rays in proportion.
+ * energy each cell of elevation and azimuth brings. The block's pings then draw their rays in proportion, up to
+ * where the vehicle has turned or climbed (lesson.h).
  */
 #include "simulator.h"
 
@@ -325,6 +326,7 @@ asdic_status asdic_simulator_learn(asdic_simulator *sim, const asdic_pose *pose,
                           "asdic_simulator_learn: NULL argument");
     }
     const asdic_sampling *sampling = &sim->setup.sampling;
+    sim->learnt.has_lesson = false;
     bool adapts = sampling->sampler == ASDIC_SAMPLER_ADAPTIVE,
          calibrates = !sampling->without_errors;
     if (sim->coherent || !(adapts || calibrates) || sampling->left_out & (1u << ASDIC_TERM_RAYS)) {
@@ -333,8 +335,17 @@ asdic_status asdic_simulator_learn(asdic_simulator *sim, const asdic_pose *pose,
     TRY(asdic_pose_check(sim->ctx, pose));
     TRY(asdic_simulator_center(sim, pose->position_m));
     asdic_simulator_forget(sim);
+    sim->learnt.lesson = asdic_lesson_at(sim->setup.scene, &sim->setup.sonar, pose);
+    sim->learnt.has_lesson = true;
     if (adapts) {
         TRY(learn_table(sim, pose, index));
     }
     return calibrates ? asdic_simulator_calibrate(sim, pose, index) : ASDIC_OK;
+}
+
+bool asdic_simulator_learn_is_due(const asdic_simulator *sim, const asdic_pose *pose,
+                                  uint64_t index) {
+    return sim && pose &&
+           (index % ASDIC_LEARN_BLOCK == 0 ||
+            (sim->learnt.has_lesson && !asdic_lesson_serves(&sim->learnt.lesson, pose)));
 }

@@ -15,6 +15,7 @@
 #include "../../kernels/ping_types.h"
 #include "beam_fan.h"
 #include "faces.h"
+#include "lesson.h"
 #include "laws/scatterer.h"
 #include "quadrature_ping.h"
 #include "speckle.h"
@@ -156,8 +157,10 @@ typedef struct asdic_host_store {
 typedef struct asdic_learnt {
     float table[DEV_TABLE_FLOATS]; /* see kernels/learnt.h */
     bool table_uploaded;
-    bool azimuths;                  /* some row of the table's azimuths is not even */
-    bool once;                      /* something was learnt, even if it is forgotten by now */
+    bool azimuths; /* some row of the table's azimuths is not even */
+    bool once;     /* something was learnt, even if it is forgotten by now */
+    bool has_lesson;
+    asdic_lesson lesson;            /* where that was */
     double zone_altitude;           /* height of the sampler's bottom zone over the altitude */
     asdic_faces faces;              /* that rays are aimed at */
     asdic_stated_error *stated;     /* by cell */

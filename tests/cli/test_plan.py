@@ -138,7 +138,7 @@ def test_the_error_is_that_of_the_first_ping():
                            f"{wanted['median']:.3f} dB, worst {wanted['worst']:.2f} dB\n")
         path = folder.write("quiet.yaml", NOISY.replace("source_level_db: 170", "source_level_db: 20"))
         tap.contains(asdic("plan", path).check(code=0).out, "first ping: no bin is above the noise; of all, median ")
-        tap.contains(text, "per block of 32: about ")
+        tap.contains(text, " ms to learn, 4 times: about ")
 
 
 OMNI = """version: 1

@@ -496,6 +496,24 @@ def test_flown_track_is_written_and_replays():
             tap.equal(data(folder, "ab", "track.csv").decode().splitlines(), lines, "merged track")
 
 
+def test_a_part_learns_where_the_whole_does():
+    """A vehicle that pitches learns anew within a block of pings; a part of the block begins after that."""
+    program.need_device()
+    with Folder() as folder:
+        path = scene(folder, rays=500)
+        folder.write("pitch.csv", "time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n" + "".join(
+            f"{0.05 * k:.2f},{0.1 * k:.1f},0,5,0,{-3 * k},0\n" for k in range(8)))
+        text = folder.read("pool.yaml").replace("pose: {position_m: [0, 0, 5]}, pings: 6", "track: pitch.csv")
+        path = folder.write("pitch.yaml", text)
+        lessons = json.loads(asdic("plan", path, "--json").check(code=0).out)["forecast"]["lessons"]
+        tap.equal(1 < lessons < 8, True, f"learns {lessons} times")
+        asdic("run", path, "-o", folder / "whole").check(code=0)
+        asdic("run", path, "--pings", "5:8", "-o", folder / "part").check(code=0)
+        rows = data(folder, "whole", "bins.csv").decode().splitlines()
+        part = data(folder, "part", "bins.csv").decode().splitlines()
+        tap.equal(part[1:], [row for row in rows[1:] if int(row.split(",")[0]) >= 5], "rows of the part")
+
+
 def test_no_force_replaces_what_the_scene_reads():
     """A run writes terrain.asc and track.csv, names that a scene's own files may have."""
     program.need_device()

@@ -251,6 +251,83 @@ static void samplers_that_do_not_learn(void **state) {
     }
 }
 
+/* A vehicle that pitches down, then dives, as a mission or a caller's loop simulates it. */
+static void a_dive_learns_anew(void **state) {
+    (void)state;
+    enum { PINGS = 20, RAYS = 30000 };
+    const honesty_case c = {.scene = "bench_fan", .beams = 32};
+    honesty_rig r = rig_open(&c);
+    asdic_simulator *sim = rig_simulator(&r, RAYS);
+    asdic_ping *ping = new_ping(&r), *truth = new_ping(&r);
+    asdic_flat_scene flat = asdic_mission_flat_scene(r.mission, 0);
+    double squares = 0.0, count = 0.0;
+    size_t lessons = 0;
+    for (uint64_t k = 0; k < PINGS; k++) {
+        double dived_m = 0.1 * fmax((double)k - 5.0, 0.0);
+        asdic_pose pose = r.pose;
+        pose.pitch_rad = -8.0 * DEGREE * (1.0 - exp(-(double)k / 4.0));
+        pose.position_m.z += dived_m;
+        flat.depth_m = r.pose.position_m.z + dived_m;
+        flat.altitude_m = 5.0 - dived_m;
+        if (asdic_simulator_learn_is_due(sim, &pose, k)) {
+            assert_ok(t.ctx, asdic_simulator_learn(sim, &pose, k));
+            lessons++;
+        }
+        assert_ok(t.ctx, asdic_simulator_ping(sim, &pose, k, ping));
+        assert_ok(t.ctx, asdic_expected_compute(t.ctx, &flat, asdic_mission_environment(r.mission),
+                                                &r.sonar, &pose, truth));
+        for (size_t i = 0; i < ping->beams * ping->bins; i++) {
+            if (i % ping->bins < 4 || !(ping->stderr_db[i] > 0.0f)) {
+                continue;
+            }
+            double ratio = (asdic_level_db(ping->intensity_lin[ASDIC_TOTAL][i]) -
+                            asdic_level_db(truth->intensity_lin[ASDIC_TOTAL][i])) /
+                           ping->stderr_db[i];
+            squares += ratio * ratio;
+            count += 1.0;
+        }
+    }
+    print_message("a dive of %d pings learns %zu times: true over stated %.2f\n", PINGS, lessons,
+                  sqrt(squares / count));
+    assert_true(lessons < PINGS);
+    assert_close(sqrt(squares / count), 1.05, 0.25);
+    asdic_ping_destroy(&ping);
+    asdic_ping_destroy(&truth);
+    asdic_simulator_destroy(&sim);
+    rig_close(&r);
+}
+
+/* A yaw brings no lobe to other elevations. */
+static void a_level_turn_does_not(void **state) {
+    (void)state;
+    const honesty_case c = {.scene = "bench_fan", .beams = 32};
+    honesty_rig r = rig_open(&c);
+    asdic_simulator *sim = rig_simulator(&r, 2000);
+    asdic_pose pose = r.pose;
+    assert_false(asdic_simulator_learn_is_due(NULL, &pose, 0));
+    assert_false(asdic_simulator_learn_is_due(sim, NULL, 0));
+    assert_true(asdic_simulator_learn_is_due(sim, &pose, ASDIC_LEARN_BLOCK));
+    assert_false(asdic_simulator_learn_is_due(sim, &pose, 1)); /* whoever does not learn need not */
+    assert_ok(t.ctx, asdic_simulator_learn(sim, &pose, 0));
+    pose.yaw_rad = 2.0;
+    pose.position_m = (asdic_vec3){50.0, -20.0, 7.49};
+    assert_false(asdic_simulator_learn_is_due(sim, &pose, 1));
+    pose.position_m.z = 7.51; /* a tenth of the 5 m to the bottom */
+    assert_true(asdic_simulator_learn_is_due(sim, &pose, 1));
+    pose.position_m.z = 6.49;
+    assert_true(asdic_simulator_learn_is_due(sim, &pose, 1));
+    pose.position_m.z = 7.0; /* beams are a fifth of a radian high */
+    pose.roll_rad = 0.0159;
+    assert_false(asdic_simulator_learn_is_due(sim, &pose, 1));
+    pose.roll_rad = 0.0163;
+    assert_true(asdic_simulator_learn_is_due(sim, &pose, 1));
+    pose.roll_rad = 0.0;
+    pose.pitch_rad = -0.0163;
+    assert_true(asdic_simulator_learn_is_due(sim, &pose, 1));
+    asdic_simulator_destroy(&sim);
+    rig_close(&r);
+}
+
 static void add_to_beam(const honesty_rig *r, const asdic_ping *truth, size_t i, double square,
                         honesty_sum *sums) {
     (void)r;
@@ -335,6 +412,8 @@ int main(void) {
         cmocka_unit_test(short_bins),
         cmocka_unit_test(rough_bottoms),
         cmocka_unit_test(several_beams),
+        cmocka_unit_test(a_dive_learns_anew),
+        cmocka_unit_test(a_level_turn_does_not),
         cmocka_unit_test(unlike_beams),
         cmocka_unit_test(open_water),
         cmocka_unit_test(samplers_that_do_not_learn),

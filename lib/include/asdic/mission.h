@@ -153,6 +153,10 @@ ASDIC_API double asdic_mission_bottom_m(const asdic_scene *scene, asdic_vec3 pos
 /* Pose of the sonar and time at ping INDEX; INDEX < ping_count. TIME_S may be NULL. */
 ASDIC_API asdic_pose asdic_mission_pose(const asdic_mission *mission, size_t index, double *time_s);
 
+/* How often simulating COUNT pings from FIRST on, or those that there are, learns where rays
+ * matter. */
+ASDIC_API size_t asdic_mission_lessons(const asdic_mission *mission, size_t first, size_t count);
+
 /* How a scanned sonar's head turns; and the vehicle's pose, in which the head is not turned. The
  * same as asdic_mission_pose where nothing scans. */
 ASDIC_API asdic_sweep asdic_mission_sweep(const asdic_mission *mission);

@@ -150,16 +150,21 @@ ASDIC_API size_t asdic_simulator_bin_count(const asdic_simulator *sim);
 ASDIC_API size_t asdic_simulator_sample_count(const asdic_simulator *sim);
 
 /* Teaches the adaptive sampler where rays matter, with a pilot ping at POSE, and finds with a few
- * more pings what errors the pings will state; they keep what was learnt until the next call. For
- * results that do not depend on who ran which ping, learn at ping indices that are multiples of
- * ASDIC_LEARN_BLOCK, at that ping's pose, and use it for the block; missions do. Not calling it is
- * allowed: pings are then a little noisier, never biased, but of 16 receivers or more they state
- * errors of 4.3 dB, and samplers that do not learn know nothing of echoes that no ray brought.
- * Errors are stated as they are near POSE: at half or twice its height above the bottom, pings of
- * few rays may err five times as much. */
+ * more pings what errors the pings will state; they keep what was learnt until the next call. Not
+ * calling it is allowed: pings are then a little noisier, never biased, but of 16 receivers or more
+ * they state errors of 4.3 dB, and samplers that do not learn know nothing of echoes that no ray
+ * brought. Errors are stated as they are near POSE; a vehicle that has pitched, rolled, risen or
+ * sunk since may err twenty times as much. */
 #define ASDIC_LEARN_BLOCK 32
 ASDIC_API asdic_status asdic_simulator_learn(asdic_simulator *sim, const asdic_pose *pose,
                                              uint64_t index);
+
+/* Whether to learn at POSE before ping INDEX is simulated: at every multiple of ASDIC_LEARN_BLOCK,
+ * and where the vehicle has pitched, rolled, risen or sunk too far from where it learnt. Missions
+ * learn when it is due, each block of ASDIC_LEARN_BLOCK pings by itself, so that results do not
+ * depend on who ran which ping. false: NULL. */
+ASDIC_API bool asdic_simulator_learn_is_due(const asdic_simulator *sim, const asdic_pose *pose,
+                                            uint64_t index);
 
 /* Simulates ping number INDEX with the vehicle at POSE, and waits for it. PING must have the
  * simulator's number of beams and bins. ASDIC_ERROR_ARGUMENT: it has others, or POSE is not

@@ -6,7 +6,7 @@
 
 asdic_status asdic_run_device_open(asdic_run_device *out, asdic_context *ctx,
                                    asdic_mission *mission, asdic_device *device, size_t bins) {
-    *out = (asdic_run_device){.mission = mission, .device = device, .block = SIZE_MAX};
+    *out = (asdic_run_device){.mission = mission, .device = device, .lesson = SIZE_MAX};
     /* Every part of a mission has as many bins as its first ping. */
     double depth_m = asdic_mission_pose(mission, 0, NULL).position_m.z;
     TRY(asdic_simulator_create(ctx, device, asdic_mission_scene(mission),
@@ -18,33 +18,32 @@ asdic_status asdic_run_device_open(asdic_run_device *out, asdic_context *ctx,
                                       "the simulator has %zu bins, the run %zu", found, bins);
 }
 
-/* Learns for BLOCK at its first ping. */
-static asdic_status learn(asdic_run_device *d, size_t block) {
-    size_t pilot = block * ASDIC_LEARN_BLOCK;
-    asdic_pose pose = asdic_mission_pose(d->mission, pilot, NULL);
-    d->block = SIZE_MAX;
-    TRY(asdic_mission_place(d->mission, d->simulator, pilot));
-    TRY(asdic_simulator_learn(d->simulator, &pose, pilot));
-    d->block = block;
+/* Learns at the ping LESSON. */
+static asdic_status learn(asdic_run_device *d, size_t lesson) {
+    asdic_pose pose = asdic_mission_pose(d->mission, lesson, NULL);
+    d->lesson = SIZE_MAX;
+    TRY(asdic_mission_place(d->mission, d->simulator, lesson));
+    TRY(asdic_simulator_learn(d->simulator, &pose, lesson));
+    d->lesson = lesson;
     return ASDIC_OK;
 }
 
 size_t asdic_run_device_batch(const asdic_run_device *d, size_t first, size_t count) {
-    size_t left = ASDIC_LEARN_BLOCK - first % ASDIC_LEARN_BLOCK;
     size_t most = d->mission->motion_count ? 1 : asdic_simulator_ping_batch(d->simulator);
-    most = most < left ? most : left;
-    return count < most ? count : most;
+    size_t together;
+    asdic_mission_lesson(d->mission, first, count < most ? count : most, &together);
+    return together;
 }
 
 asdic_status asdic_run_device_pings(asdic_run_device *d, size_t first, size_t count,
                                     asdic_ping *const *results) {
-    size_t block = first / ASDIC_LEARN_BLOCK;
+    size_t together, lesson = asdic_mission_lesson(d->mission, first, 1, &together);
     asdic_pose poses[ASDIC_LEARN_BLOCK];
     for (size_t k = 0; k < count; k++) {
         poses[k] = asdic_mission_pose(d->mission, first + k, NULL);
     }
-    if (d->block != block) {
-        TRY(learn(d, block));
+    if (d->lesson != lesson) {
+        TRY(learn(d, lesson));
     }
     TRY(asdic_mission_place(d->mission, d->simulator, first));
     return asdic_simulator_pings(d->simulator, poses, first, count, results);

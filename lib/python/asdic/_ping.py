@@ -310,9 +310,8 @@ class Simulator:
             simulator = self._handle.pointer
             result = self._new_ping() if out is None else self._again(out)
             index = self.index
-            if self._moves or index % LEARN_BLOCK == 0:
-                self._mount.set_pose(self._pose, at, index)
-                self._prepare(simulator, self._pose)
+            self._mount.set_pose(self._pose, at, index)
+            self._prepare(simulator, self._pose)
             self._context.check(self._mount.ping(simulator, result._struct, at, index))
             self._note(result, at, index)
             self.index = index + 1
@@ -338,21 +337,26 @@ class Simulator:
         with self._context.lock:
             results: list[Ping] = []
             while len(results) < len(rows):  # up to where the simulator learns, or things move
-                left = 1 if self._moves else LEARN_BLOCK - self.index % LEARN_BLOCK
-                results += self._together(rows[len(results):len(results) + left].tolist())
+                most = 1 if self._moves else LEARN_BLOCK
+                results += self._together(rows[len(results):len(results) + most].tolist())
             return results
 
     def _together(self, rows: list[list[float]]) -> list[Ping]:
-        simulator, results = self._handle.pointer, [self._new_ping() for _ in rows]
+        """Pings of the first of ROWS, up to one before which the simulator learns."""
+        simulator, results = self._handle.pointer, []
         poses = ffi.new("asdic_pose[]", len(rows))
-        for k, (result, row) in enumerate(zip(results, rows)):
+        for k, row in enumerate(rows):
             at = (*row, 0.0, 0.0, 0.0)[:6]
             self._mount.set_pose(poses + k, at, self.index + k)
-            self._note(result, at, self.index + k)
-        self._prepare(simulator, poses)
-        self._context.check(lib.asdic_simulator_pings(simulator, poses, self.index, len(rows),
+            if k == 0:
+                self._prepare(simulator, poses)
+            elif lib.asdic_simulator_learn_is_due(simulator, poses + k, self.index + k):
+                break
+            results.append(self._new_ping())
+            self._note(results[k], at, self.index + k)
+        self._context.check(lib.asdic_simulator_pings(simulator, poses, self.index, len(results),
                                                       [result._struct for result in results]))
-        self.index += len(rows)
+        self.index += len(results)
         return results
 
     def _note(self, result: Ping, at: tuple[float, ...], index: int) -> None:
@@ -367,7 +371,7 @@ class Simulator:
             self._context.check(lib.asdic_mission_place(self._mission.pointer, simulator, self.index))
             for name, place in self._moved.items():  # off its track
                 self._context.check(lib.asdic_simulator_move(simulator, name, place))
-        if self.index % LEARN_BLOCK == 0:
+        if lib.asdic_simulator_learn_is_due(simulator, pose, self.index):
             self._context.check(lib.asdic_simulator_learn(simulator, pose, self.index))
 
     def _again(self, out: Ping) -> Ping:

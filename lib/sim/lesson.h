@@ -1,0 +1,21 @@
+/*
+ * How far a vehicle may go from where a simulator learnt before it has to learn anew.
+ */
+#ifndef ASDIC_SIM_LESSON_H
+#define ASDIC_SIM_LESSON_H
+
+#include <asdic/scene.h>
+#include <asdic/sonar.h>
+
+typedef struct asdic_lesson {
+    asdic_pose pose; /* where it was learnt */
+    double turn_rad; /* the vertical may have turned by so much since, seen from the vehicle */
+    double climb_m;  /* the vehicle may have risen or sunk by so much */
+} asdic_lesson;
+
+asdic_lesson asdic_lesson_at(const asdic_scene *scene, const asdic_sonar *sonar,
+                             const asdic_pose *pose);
+
+bool asdic_lesson_serves(const asdic_lesson *lesson, const asdic_pose *pose);
+
+#endif
