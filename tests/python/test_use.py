@@ -595,6 +595,12 @@ def test_pictures():
     same(np.ma.filled(asdic.plot.fan(beside, 2).collections[0].get_array(), np.nan).ravel(),
          beside.level_db[2, ::-1].ravel(), "another ping's levels")
     plt.close("all")
+    looks = (160, 170, 180, -170, -160)  # astern: no beam looks ahead, and nothing is drawn there
+    astern = asdic.simulate(pool(sonar={**pool().sonar, "receivers": [{"yaw_deg": yaw} for yaw in looks]}))
+    mesh = asdic.plot.fan(astern).collections[0]
+    tap.equal(float(np.max(mesh.get_coordinates()[..., 1])) <= 0, True, "nothing ahead")
+    same(np.ma.filled(mesh.get_array(), np.nan).ravel(), astern.level_db[0].ravel(), "from port to starboard")
+    plt.close("all")
     axes, expected = asdic.plot.ascope(run, "down", ping=2, expected=run.expect(2)), run.expect(2)
     tap.equal(axes.get_ylabel(), "level, dB re 1 µPa", "A-scope")
     points, curve = axes.lines[0], axes.lines[-1]

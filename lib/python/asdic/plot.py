@@ -41,14 +41,23 @@ def _edges(centres: np.ndarray) -> np.ndarray:
     return np.concatenate([[2 * centres[0] - middle[0]], middle, [2 * centres[-1] - middle[-1]]])
 
 
+def _around(bearings: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The order of BEARINGS, degrees, from port to starboard, and they in it, ascending, also where they pass astern."""
+    order = np.argsort(bearings)
+    gaps = np.diff(bearings[order])
+    if len(gaps) and gaps.max() > 360 - gaps.sum():  # no beam looks there: that is where a fan begins
+        order = np.roll(order, -1 - int(gaps.argmax()))
+    return order, np.unwrap(bearings[order], period=360)
+
+
 def fan(of: Run | Ping, ping: int = 0, ax: Axes | None = None, **keys: Any) -> Axes:
     """Levels over ahead and starboard, as the sonar looks at them. KEYS go to pcolormesh (vmin, cmap, ...)."""
-    order = np.argsort(of.bearings)
-    if np.any(np.diff(of.bearings[order]) <= 0):
+    order, bearings = _around(of.bearings)
+    if np.any(np.diff(bearings) <= 0):
         raise fail(ArgumentError, "beams that look to the same bearing make no fan; asdic.plot.ascope draws a beam")
     ax = _axes(ax)
     levels = of.level_db[ping] if isinstance(of, Run) else of.level_db
-    bearing, distance = np.meshgrid(np.radians(_edges(of.bearings[order])), _edges(of.ranges), indexing="ij")
+    bearing, distance = np.meshgrid(np.radians(_edges(bearings)), _edges(of.ranges), indexing="ij")
     image = ax.pcolormesh(distance * np.sin(bearing), distance * np.cos(bearing), levels[order], shading="flat", **keys)
     ax.set(xlabel="starboard, m", ylabel="ahead, m", aspect="equal")
     _colorbar(ax, image)
