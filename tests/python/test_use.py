@@ -159,11 +159,14 @@ def test_scene_of_a_file():
             tap.equal(asdic.Scene.open(path).sampling["key"], value, line)
         with open(path, "w", encoding="utf-8") as file:
             file.write("bottom: {grid: g.asc}\nobjects: [{name: mesh, mesh: /x.ply}]\n"
-                       "draws: [{key: 'objects[0].mesh', choice: [y.ply, {file: z.ply}]}]\n")
+                       "draws: [{key: 'objects[0].mesh', choice: [y.ply, {file: z.ply}]},\n"
+                       "        {key: 'objects[1]', choice: [none, {mesh: {file: {choice: [v.ply, w.ply]}}}]}]\n")
         scene, at = asdic.Scene.open(path), lambda name: os.path.join(os.path.realpath(folder), name)
         tap.equal(scene.bottom, {"grid": at("g.asc")}, "a grid's short form")
         tap.equal(scene.objects, [{"name": "mesh", "mesh": "/x.ply"}], "a mesh's")
-        tap.equal(json.loads(scene.to_json())["draws"][0]["choice"], [at("y.ply"), {"file": at("z.ply")}], "choices")
+        draws = json.loads(scene.to_json())["draws"]
+        tap.equal(draws[0]["choice"], [at("y.ply"), {"file": at("z.ply")}], "choices")
+        tap.equal(draws[1]["choice"], ["none", {"mesh": {"file": {"choice": [at("v.ply"), at("w.ply")]}}}], "in choices")
 
 
 def test_scene_names_files():
@@ -173,13 +176,13 @@ def test_scene_names_files():
         before = os.getcwd()
         os.chdir(folder)
         try:
-            for name, x_m in (("fish.csv", 10.5), ("out/fish.csv", 30)):
+            for name, x_m in (("a \N{FISH} \xe4.csv", 10.5), ("out/a \N{FISH} \xe4.csv", 30)):
                 os.makedirs("out", exist_ok=True)
                 with open(name, "w", encoding="utf-8") as file:
                     file.write("time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n"
                                f"0,{x_m},0,5,0,0,0\n9,{x_m},0,5,0,0,0\n")
             scene = pool()
-            scene.objects = [{"name": "fish", "point": 0, "track": "fish.csv"}]
+            scene.objects = [{"name": "fish", "point": 0, "track": "a \N{FISH} \xe4.csv"}]
             run = asdic.simulate(scene, "out")
             tap.equal(run.ranges[np.nanargmax(run.parts["object"][0, 0])], 10.5, "where the fish is, m")
             same(asdic.simulate(scene, "out", resume=True).level_db, run.level_db, "resumed")

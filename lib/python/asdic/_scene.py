@@ -33,6 +33,11 @@ def _plain(value: Any) -> Any:
     raise TypeError(f"a scene cannot hold a {type(value).__name__}: {value!r}")
 
 
+def _json(sections: Keys) -> str:
+    """A scene file's text. YAML knows no pairs of surrogates, which JSON's escapes have beyond U+FFFF: without escapes."""
+    return json.dumps(sections, default=_plain, ensure_ascii=False, indent=1)
+
+
 def _array(values: ArrayLike, kinds: str, what: str) -> np.ndarray:
     """VALUES as an array [n, 3] of numbers of these KINDS."""
     array = np.asarray(values)
@@ -61,16 +66,15 @@ def _whole(name: Any, folder: str, known: Container[str]) -> Any:
     return os.path.join(folder, name) if isinstance(name, str) and name and name not in known else name
 
 
-def _find_files(value: Any, folder: str, known: Container[str] = ()) -> None:
-    """Makes the paths of files that lie in FOLDER whole, but of those that are KNOWN; of draws' choices too."""
-    if isinstance(value, dict) and isinstance(value.get("choice"), list):
-        if str(value.get("key")).rpartition(".")[2] in FILES:
-            value["choice"] = [_whole(one, folder, known) for one in value["choice"]]
-    for key, inner in value.items() if isinstance(value, dict) else enumerate(value):
-        if isinstance(inner, (dict, list)):
-            _find_files(inner, folder, known)
-        elif key in FILES:
-            value[key] = _whole(inner, folder, known)
+def _find_files(value: Any, folder: str, known: Container[str] = (), key: str = "") -> Any:
+    """VALUE, which stands at KEY, with whole paths of the files that lie in FOLDER, but of those that are KNOWN."""
+    if isinstance(value, dict):
+        drawn = str(value.get("key", key)).rpartition(".")[2]  # what a draw's choice, or a choice in it, stands for
+        return {name: _find_files(inner, folder, known, drawn if name == "choice" else name)
+                for name, inner in value.items()}
+    if isinstance(value, list):
+        return [_find_files(inner, folder, known, key) for inner in value]
+    return _whole(value, folder, known) if key in FILES else value
 
 
 class Scene:
@@ -116,7 +120,7 @@ class Scene:
             sections = json.loads(text(found[0]))
         finally:
             lib.free(found[0])
-        _find_files(sections, os.path.dirname(os.path.abspath(os.fsdecode(path))))
+        sections = _find_files(sections, os.path.dirname(os.path.abspath(os.fsdecode(path))))
         sections.pop("version", None)
         scene, objects = cls(), sections.pop("objects", None)
         scene.objects = list(objects or [])
@@ -192,7 +196,7 @@ class Scene:
             for name, (_, corners, indices) in self._meshes.items():
                 _write_ply(os.path.join(folder, name), corners, indices)
             path = os.path.join(os.fspath(folder), "scene.json")
-            with open(path, "w", encoding="utf-8") as file:
+            with open(path, "w", encoding="utf-8", errors="surrogateescape") as file:
                 file.write(self.saved_json())
         except OSError as error:
             raise fail(FileError, f"the scene cannot be saved in '{os.fspath(folder)}': {error.strerror}") from error
@@ -202,14 +206,11 @@ class Scene:
         """The scene as a scene file's text; JSON is YAML. Meshes from arrays stand in it by name."""
         sections = {"version": 1, **self._more, **{name: getattr(self, name) for name in SECTIONS},
                     "objects": self.objects}
-        return json.dumps({name: value for name, value in sections.items() if value not in (None, [])},
-                          default=_plain, indent=1)
+        return _json({name: value for name, value in sections.items() if value not in (None, [])})
 
     def saved_json(self) -> str:
         """The text that save writes, with whole paths of the files that the scene names in the working folder."""
-        sections = json.loads(self.to_json())
-        _find_files(sections, os.getcwd(), self._meshes)
-        return json.dumps(sections, indent=1)
+        return _json(_find_files(json.loads(self.to_json()), os.getcwd(), self._meshes))
 
     def __repr__(self) -> str:
         given = [name for name in SECTIONS if getattr(self, name) is not None]
@@ -217,7 +218,7 @@ class Scene:
 
     def load(self, context: Context) -> Handle:
         """The mission that the scene describes."""
-        data = self.to_json().encode()
+        data = self.to_json().encode(errors="surrogateescape")  # names of files may be of any bytes; the reader judges
         meshes = ffi.new("asdic_named_mesh[]", len(self._meshes))
         keeps: list[Any] = [data]
         for entry, (name, (mesh, _, _)) in zip(meshes, self._meshes.items()):
