@@ -454,7 +454,7 @@ def test_formulas_and_plan():
 def test_xarray():
     need_device()
     try:
-        import xarray  # pylint: disable=import-outside-toplevel,unused-import
+        import xarray  # pylint: disable=import-outside-toplevel
     except ImportError as error:
         raise tap.Skip(str(error)) from error
     run = asdic.simulate(pool())
@@ -467,6 +467,16 @@ def test_xarray():
     for name in run.parts:
         same(data[name].values, run.parts[name], name)
     tap.equal(np.shares_memory(data.level.values, run.records), True, "without a copy")
+    small = asdic.simulate(pool(output={"csv": "none", "images": [], "records": "compact"})).to_xarray()
+    tap.equal(str(small.stderr.dtype), "float16", "of a compact run")
+    with tempfile.TemporaryDirectory(prefix="asdic-test-") as folder:
+        try:
+            small.to_netcdf(os.path.join(folder, "run.nc"))
+        except ValueError as error:
+            raise tap.Skip(str(error)) from error  # neither netCDF4 nor scipy
+        with xarray.load_dataset(os.path.join(folder, "run.nc")) as kept:
+            for name, values in small.items():
+                same(kept[name].values, np.asarray(values, np.float32), f"{name} in a file")
 
 
 def test_where_a_run_was():

@@ -256,9 +256,10 @@ class Run:
         dims = ("ping", "beam", "range")
         level = {"units": "dB re 1 uPa"}
         names = {"level": self.level_db, **{name: self.parts[name] for name in self.parts}}
-        data = {name: (dims, values, {**level, "long_name": f"{name} level" if name != "level" else "level"})
+        stored = {"dtype": "float32"}  # netCDF has no float16, in which compact runs keep parts and errors
+        data = {name: (dims, values, {**level, "long_name": f"{name} level" if name != "level" else "level"}, stored)
                 for name, values in names.items()}
-        data["stderr"] = (dims, self.stderr_db, {"units": "dB", "long_name": "one standard error of level"})
+        data["stderr"] = (dims, self.stderr_db, {"units": "dB", "long_name": "one standard error of level"}, stored)
         metres, radians = {"units": "m"}, {"units": "rad"}
         coords: dict[str, Any] = {
             "ping": ("ping", self.pings), "beam": ("beam", self.names), "range": ("range", self.ranges, metres),
