@@ -41,6 +41,7 @@ def test_arrays_that_are_no_mesh():
         tap.equal(len(str(error).splitlines()), 1, f"one sentence: {error}")
     tap.equal(len(scene.objects), 0, "nothing of them is kept")
     raises(asdic.ArgumentError, "depth_m has the shape (2, 3)", scene.set_terrain, [0, 1, 2], [0, 1], np.zeros((2, 3)))
+    raises(asdic.ArgumentError, "east_m goes to and fro", scene.set_terrain, [1, 0], [0, 2, 1], np.zeros((2, 3)))
 
 
 def test_arrays_of_every_kind_that_hold_a_mesh():

@@ -157,6 +157,10 @@ class Scene:
         if depth.shape != (north.size, east.size) or north.ndim != 1 or east.ndim != 1 or min(depth.shape) < 2:
             raise fail(ArgumentError, f"depth_m has the shape {depth.shape}; of {north.size} north_m and {east.size} "
                        f"east_m it must be ({north.size}, {east.size}), at least (2, 2)")
+        for name, along in (("north_m", north), ("east_m", east)):
+            steps = np.diff(along)
+            if not (np.all(steps >= 0) or np.all(steps <= 0)):  # a sheet that is folded over itself
+                raise fail(ArgumentError, f"{name} goes to and fro; a grid's lines ascend or descend")
         vertices = np.stack([*np.meshgrid(north, east, indexing="ij"), depth], axis=-1).reshape(-1, 3)
         corner = np.arange(depth.size).reshape(depth.shape)
         a, b, c, d = corner[:-1, :-1], corner[1:, :-1], corner[1:, 1:], corner[:-1, 1:]
