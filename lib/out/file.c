@@ -39,8 +39,7 @@ static FILE *open_stdout(void) {
     return stream;
 }
 
-/* Whether another process holds the lock of the file PATH, which it is writing. */
-static bool is_being_written(const char *path) {
+bool asdic_file_is_being_written(const char *path) {
     struct stat st;
     if (lstat(path, &st) != 0 || !S_ISREG(st.st_mode)) {
         return false;
@@ -54,7 +53,7 @@ static bool is_being_written(const char *path) {
 }
 
 int asdic_file_open_new(const char *path, int flags) {
-    if (is_being_written(path)) {
+    if (asdic_file_is_being_written(path)) {
         errno = EBUSY;
         return -1;
     }

@@ -25,6 +25,9 @@ asdic_status asdic_file_commit(asdic_file **file);
 /* Closes and removes the .part file. NULL-safe. */
 void asdic_file_discard(asdic_file **file);
 
+/* Whether another process holds the lock of the file PATH, which it is writing. */
+bool asdic_file_is_being_written(const char *path);
+
 /* Opens PATH anew with FLAGS (open's) and locks it, in the place of what has that name. -1 with
  * errno: EBUSY while another process writes it. */
 int asdic_file_open_new(const char *path, int flags);

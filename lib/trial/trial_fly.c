@@ -352,7 +352,7 @@ static asdic_status fly_part(fleet *f, const trial_facts *facts, const asdic_tex
     const asdic_trial_options *o = f->options;
     asdic_text rows = {0};
     asdic_status status = ASDIC_OK;
-    bool is_whole = false;
+    bool is_whole = false, goes_on = false;
     if (mkdir(o->folder, 0777) != 0 && errno != EEXIST) {
         return asdic_file_fail(f->ctx, o->folder, errno);
     }
@@ -363,6 +363,7 @@ static asdic_status fly_part(fleet *f, const trial_facts *facts, const asdic_tex
     if (o->force) { /* what is there must not pass for what is begun */
         remove_whole(o->folder);
     } else if (asdic_trial_has(o->folder, "trial.part.csv")) {
+        goes_on = o->resume;
         status = o->resume ? go_on(f->ctx, o, facts, &f->begin, &rows)
                            : asdic_fail(f->ctx, ASDIC_ERROR_EXISTS,
                                         "'%s' holds a trial that was stopped; --resume goes on, "
@@ -373,7 +374,7 @@ static asdic_status fly_part(fleet *f, const trial_facts *facts, const asdic_tex
     f->jobs = o->count * o->variants.count;
     f->next = f->taken = f->begin;
     if (!status) {
-        status = asdic_trial_begin(f->ctx, o->folder, facts, header, &rows, &f->out);
+        status = asdic_trial_begin(f->ctx, o->folder, facts, header, &rows, goes_on, &f->out);
     }
     asdic_text_finish(&rows);
     TRY(status);

@@ -245,38 +245,56 @@ bool asdic_trial_has(const char *folder, const char *name) {
     return is_there;
 }
 
+/* Opens the file NEXT, which is to become CSV unless another process flies there. */
+static asdic_status open_next(asdic_context *ctx, const char *next, const char *csv, FILE **out) {
+    int fd = asdic_file_open_new(next, O_WRONLY);
+    if (fd < 0) {
+        return asdic_file_fail(ctx, csv, errno);
+    }
+    *out = fdopen(fd, "w");
+    if (!*out) {
+        close(fd);
+        return asdic_fail_memory(ctx, "a file");
+    }
+    return asdic_file_is_being_written(csv) ? asdic_file_fail(ctx, csv, EBUSY) : ASDIC_OK;
+}
+
 asdic_status asdic_trial_begin(asdic_context *ctx, const char *folder, const trial_facts *facts,
-                               const asdic_text *header, const asdic_text *rows, FILE **out) {
+                               const asdic_text *header, const asdic_text *rows, bool goes_on,
+                               FILE **out) {
     asdic_text text = {0};
     char *json = asdic_trial_path(folder, "trial.part.json");
     char *csv = asdic_trial_path(folder, "trial.part.csv");
+    char *next = asdic_trial_path(folder, "trial.part.csv.part");
     asdic_trial_print(facts, NULL, NULL, &text);
+    *out = NULL;
     asdic_status status =
-        json && csv && !text.failed ? ASDIC_OK : asdic_fail_memory(ctx, "a trial");
-    if (!status) { /* first: another process that flies here keeps it, and what its rows are */
-        int fd = asdic_file_open_new(csv, O_WRONLY | O_CREAT | O_TRUNC);
-        *out = fd < 0 ? NULL : fdopen(fd, "w");
-        if (!*out) {
-            status = asdic_file_fail(ctx, csv, errno);
-            if (fd >= 0) {
-                close(fd);
-            }
-        }
+        json && csv && next && !text.failed ? ASDIC_OK : asdic_fail_memory(ctx, "a trial");
+    if (!status) {
+        status = open_next(ctx, next, csv, out);
+    }
+    if (!status && !goes_on && unlink(csv) != 0 && errno != ENOENT) {
+        status = asdic_file_fail(ctx, csv, errno); /* rows that FACTS are not of */
+    }
+    if (!status && (fputs(header->data, *out) < 0 ||
+                    fputs(rows->data ? rows->data : "", *out) < 0 || fflush(*out) != 0)) {
+        status = asdic_file_fail(ctx, csv, errno);
     }
     if (!status) {
         status = asdic_file_write_all(ctx, json, text.data, text.length);
-        if (status) {
-            fclose(*out);
-            *out = NULL;
-        }
     }
-    if (!status) {
-        fputs(header->data, *out);
-        fputs(rows->data ? rows->data : "", *out);
+    if (!status) { /* last: a process that is killed before leaves what there was */
+        status = settle(ctx, folder, "trial.part.csv.part", "trial.part.csv");
+    }
+    if (status && *out) {
+        fclose(*out);
+        *out = NULL;
+        unlink(next);
     }
     asdic_text_finish(&text);
     free(json);
     free(csv);
+    free(next);
     return status;
 }
 

@@ -63,9 +63,11 @@ asdic_status asdic_trial_read(asdic_context *ctx, const char *folder, bool part,
  * names. */
 asdic_status asdic_trial_complete(asdic_context *ctx, asdic_trial *trial, const char *folder);
 
-/* Opens trial.part.csv, for OUT, with HEADER and ROWS in it; and closes it. */
+/* Opens trial.part.csv, for OUT, with HEADER and ROWS in it; and closes it. Where it GOES_ON these
+ * are the rows of the file of that name, which stays there until the new one holds them. */
 asdic_status asdic_trial_begin(asdic_context *ctx, const char *folder, const trial_facts *facts,
-                               const asdic_text *header, const asdic_text *rows, FILE **out);
+                               const asdic_text *header, const asdic_text *rows, bool goes_on,
+                               FILE **out);
 asdic_status asdic_trial_end(asdic_context *ctx, const char *folder, FILE **out);
 
 /* Completes the trial under way in FOLDER. */

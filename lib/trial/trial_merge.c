@@ -50,7 +50,7 @@ static asdic_status write_parts(asdic_context *ctx, asdic_trial **parts, size_t 
     asdic_text_add(&header, parts[0]->header);
     asdic_status status = rows.failed || header.failed
                               ? asdic_fail_memory(ctx, "a trial")
-                              : asdic_trial_begin(ctx, folder, &whole, &header, &rows, &out);
+                              : asdic_trial_begin(ctx, folder, &whole, &header, &rows, false, &out);
     if (!status) {
         status = asdic_trial_end(ctx, folder, &out);
     }

@@ -479,6 +479,46 @@ static void one_under_way_is_read(void **state) {
     asdic_trial_close(&t);
 }
 
+/* What was flown before is on the disk as soon as a trial goes on, and before that: a process that is killed
+ * in its first run loses none. */
+static void rows_stay_where_it_goes_on(void **state) {
+    (void)state;
+    asdic_trial *t = NULL;
+    FILE *out = NULL, *other = NULL;
+    char path[200], text[4000] = "";
+    asdic_text head = {0}, body = {0};
+    write_file("trial.part.json", facts, "  ]\n}\n");
+    write_file("trial.part.csv", header, rows);
+    assert_ok(ctx, asdic_trial_read(ctx, folder, true, &t));
+    asdic_text_add(&head, t->header);
+    asdic_text_add(&body, t->body);
+    snprintf(path, sizeof path, "%s/trial.part.csv", folder);
+    assert_ok(ctx, asdic_trial_begin(ctx, folder, &t->facts, &head, &body, true, &out));
+    for (int i = 0; i < 2; i++) { /* the second one is refused, and changes nothing */
+        FILE *file = fopen(path, "r");
+        text[fread(text, 1, sizeof text - 1, file)] = 0;
+        fclose(file);
+        assert_int_equal(strncmp(text, header, strlen(header)), 0);
+        assert_string_equal(text + strlen(header), rows);
+        assert_status(ctx, asdic_trial_begin(ctx, folder, &t->facts, &head, &body, i == 1, &other),
+                      ASDIC_ERROR_IO);
+        assert_null(other);
+    }
+    assert_ok(ctx, asdic_trial_end(ctx, folder, &out));
+    /* A place that cannot be written: what is there stays. */
+    snprintf(path, sizeof path, "%s/trial.part.json.part", folder);
+    assert_int_equal(mkdir(path, 0777), 0);
+    assert_status(ctx, asdic_trial_begin(ctx, folder, &t->facts, &head, &body, true, &out),
+                  ASDIC_ERROR_IO);
+    assert_int_equal(rmdir(path), 0);
+    asdic_trial_close(&t);
+    assert_ok(ctx, asdic_trial_read(ctx, folder, true, &t));
+    assert_int_equal(t->row_count, 8);
+    asdic_trial_close(&t);
+    asdic_text_finish(&head);
+    asdic_text_finish(&body);
+}
+
 static void parts_of_one_trial(void **state) {
     (void)state;
     asdic_trial *a = open_trial(), *b = open_trial();
@@ -901,6 +941,7 @@ int main(void) {
         cmocka_unit_test(many_designs_have_numbers),
         cmocka_unit_test(damage_is_told),
         cmocka_unit_test(one_under_way_is_read),
+        cmocka_unit_test(rows_stay_where_it_goes_on),
         cmocka_unit_test(parts_of_one_trial),
         cmocka_unit_test(parts_join_to_the_whole),
         cmocka_unit_test(parts_that_do_not_fit_are_refused),
