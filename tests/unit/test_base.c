@@ -65,18 +65,23 @@ static void text_grows_and_quotes(void **state) {
     free(empty);
 }
 
-/* Files are read everywhere, whatever the locale of the program that writes them. */
+/* Files are read everywhere, and messages quote them, whatever the locale of the program. */
 static void text_has_a_decimal_point(void **state) {
     (void)state;
     asdic_text text = {0};
+    asdic_context *ctx = NULL;
+    assert_int_equal(asdic_context_create(&ctx), ASDIC_OK);
     if (!set_german_locale()) {
         skip();
     }
     asdic_text_format(&text, "%.1f %g", 0.5, 1.25);
+    asdic_fail(ctx, ASDIC_ERROR_INPUT, "%g is out of range [%g, %g]", 0.5, 1.25, 2.5);
     char comma[16];
     snprintf(comma, sizeof comma, "%.1f", 0.5);
     setlocale(LC_ALL, "C");
     assert_string_equal(text.data, "0.5 1.25");
+    assert_string_equal(asdic_context_error(ctx), "0.5 is out of range [1.25, 2.5]");
+    asdic_context_destroy(&ctx);
     assert_string_equal(comma, "0,5"); /* the caller's locale is as it was */
     asdic_text_finish(&text);
 }
