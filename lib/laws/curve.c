@@ -39,15 +39,17 @@ static double knot_deg(const asdic_scatterer *s, size_t index) {
     return index < s->material.row_count ? row_deg(s, index) : NAN;
 }
 
-static const char *wrong_row(const double *rows, size_t index) {
+static const char *wrong_row(const double *rows, size_t index, size_t *column) {
     const double *row = rows + 2 * index;
+    *column = 0;
     if (!(row[0] >= 0.0 && row[0] <= 90.0)) {
-        return "'grazing_deg' is out of range [0, 90] deg";
+        return "is out of range [0, 90] deg";
     }
-    if (!(row[1] >= -200.0 && row[1] <= 60.0)) {
-        return "'strength_db' is out of range [-200, 60] dB";
+    if (index > 0 && !(row[0] > row[-2])) {
+        return "does not rise from row to row";
     }
-    return index > 0 && !(row[0] > row[-2]) ? "'grazing_deg' does not rise from row to row" : NULL;
+    *column = 1;
+    return row[1] >= -200.0 && row[1] <= 60.0 ? NULL : "is out of range [-200, 60] dB";
 }
 
 const asdic_law asdic_law_curve = {

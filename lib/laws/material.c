@@ -112,10 +112,15 @@ asdic_status asdic_material_read_rows(asdic_context *ctx, asdic_material *materi
     }
     asdic_status status =
         asdic_columns_read(ctx, path, law->model.keys[key].columns, &rows, &lines, &count);
-    for (size_t i = 0; !status && law->wrong_row && i < count; i++) {
-        const char *why = law->wrong_row(rows, i);
+    for (size_t i = 0, column = 0; !status && law->wrong_row && i < count; i++) {
+        const char *why = law->wrong_row(rows, i, &column);
         if (why) {
-            status = asdic_fail(ctx, ASDIC_ERROR_INPUT, "%s:%zu: %s", path, lines[i], why);
+            const char *name = law->model.keys[key].columns;
+            for (size_t k = 0; k < column; k++) {
+                name += strcspn(name, ",") + 1;
+            }
+            status = asdic_fail(ctx, ASDIC_ERROR_INPUT, "%s:%zu: '%.*s' = %.15g %s", path, lines[i],
+                                (int)strcspn(name, ","), name, rows[2 * i + column], why);
         }
     }
     free(lines);

@@ -51,8 +51,9 @@ struct asdic_law {
     asdic_model_info
         model; /* parameters, units, ranges, fallbacks, source; one row of the models */
 
-    /* What is wrong with a row of its file, told when the rows before it are right; NULL: nothing. */
-    const char *(*wrong_row)(const double *rows, size_t index);
+    /* What is wrong with a row of its file, told when the rows before it are right: what is to be
+     * said of the value in this *COLUMN; NULL: nothing. */
+    const char *(*wrong_row)(const double *rows, size_t index, size_t *column);
     /* Fills MADE and, for a formula, DEVICE; NULL: nothing to compute. */
     void (*prepare)(asdic_scatterer *s);
     /* Backscattering strength, linear, 1/sr. */

@@ -129,9 +129,9 @@ static void laws_read_their_files(void **state) {
         const char *text, *error;
     } wrong[] = {
         {"grazing_deg,strength_db\n5,-40\n10,-30x\n", "numbers.csv:3: 'strength_db' = -30x"},
-        {"grazing_deg,strength_db\n5,-40\n5,-30\n", "numbers.csv:3: 'grazing_deg' does not"},
-        {"grazing_deg,strength_db\n5,-40\n95,-30\n", "numbers.csv:3: 'grazing_deg' is out"},
-        {"grazing_deg,strength_db\n5,-400\n", "numbers.csv:2: 'strength_db' is out"},
+        {"grazing_deg,strength_db\n5,-40\n5,-30\n", "numbers.csv:3: 'grazing_deg' = 5 does not"},
+        {"grazing_deg,strength_db\n5,-40\n95,-30\n", "numbers.csv:3: 'grazing_deg' = 95 is out"},
+        {"grazing_deg,strength_db\n5,-400\n", "numbers.csv:2: 'strength_db' = -400 is out"},
         {"grazing,strength_db\n5,-40\n", "numbers.csv:1: missing column 'grazing_deg'"}};
     for (size_t l = 0; l < asdic_law_count(); l++) {
         asdic_mission *m = NULL;
