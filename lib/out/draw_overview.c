@@ -78,10 +78,11 @@ static asdic_status draw_panel(asdic_canvas *c, asdic_box box, const asdic_overv
     return ASDIC_OK;
 }
 
-#define LEAST_PX 10.0 /* of a name, as asdic_canvas_text_fit makes it */
+#define LEAST_PX 10.0   /* of a name, as asdic_canvas_text_fit makes it */
+#define NAME_GAP_PX 8.0 /* between neighbours: 000 and 001 are not to be read as 000001 */
 
 static double name_room(asdic_box box, const asdic_overview *o) {
-    return 0.94 * box.w / (double)o->beams;
+    return box.w / (double)o->beams - NAME_GAP_PX;
 }
 
 /* Whether there are names that can be told apart below the columns; else these are numbered. */

@@ -5,6 +5,7 @@
 #include "asserts.h"
 
 #include "out/draw.h"
+#include "out/overview.h"
 
 #include <asdic/asdic.h>
 
@@ -646,6 +647,61 @@ static void gain_is_of_the_bins_centre(void **state) {
     assert_close(grey[1], 1.0 + 655.34 * (23.5218 + 15.0), 0.51);
 }
 
+/* Whether a column of the rows FROM to TO is paper. */
+static bool is_blank(const uint8_t *rgb, size_t width, size_t x, size_t from, size_t to) {
+    while (from < to && pixel(rgb, width, x, from) == 0xffffff) {
+        from++;
+    }
+    return from == to;
+}
+
+/* Names of sixteen beams, 000 to 015, below a panel of 480 pixels: five or more between neighbours. */
+static void names_of_beams_are_apart(void **state) {
+    (void)state;
+    if (!asdic_picture_annotated()) {
+        skip();
+    }
+    enum { BEAMS = 16 };
+    char text[BEAMS][4];
+    const char *names[BEAMS];
+    float levels_db[BEAMS], noise_db[BEAMS];
+    for (int i = 0; i < BEAMS; i++) {
+        snprintf(text[i], sizeof text[i], "%03d", i);
+        names[i] = text[i];
+        levels_db[i] = 0.0f;
+        noise_db[i] = -100.0f;
+    }
+    asdic_overview o;
+    asdic_picture_options options = asdic_picture_options_default();
+    assert_int_equal(asdic_overview_init(ctx, 2, BEAMS, 1, 10.0, &o), ASDIC_OK);
+    asdic_overview_add(&o, levels_db, noise_db);
+    asdic_overview_add(&o, levels_db, noise_db);
+    options.db_low = -10.0; /* what is shown lies inside: no paper */
+    options.db_high = 10.0;
+    const asdic_overview_axes axes = {.names = names};
+    const char *path = file_in_folder("o.png");
+    assert_int_equal(asdic_draw_overview(ctx, path, &o, &axes, &options), ASDIC_OK);
+    asdic_overview_finish(&o);
+    size_t width, height, bottom = 0, left, right, gaps = 0;
+    uint8_t *rgb = decode(path, PNG_FORMAT_RGB, &width, &height);
+    const size_t inside = 300; /* a column of the first panel */
+    for (size_t y = 1, run = 0; y < height; y++) {
+        run = pixel(rgb, width, inside, y) != 0xffffff ? run + 1 : 0;
+        bottom = run > 100 ? y : bottom;
+    }
+    for (left = inside; pixel(rgb, width, left - 1, bottom - 9) != 0xffffff; left--) {
+    }
+    for (right = inside; pixel(rgb, width, right + 1, bottom - 9) != 0xffffff; right++) {
+    }
+    assert_in_range(right - left, 478, 490);
+    for (size_t x = left, run = 0; x < right; x++) {
+        run = is_blank(rgb, width, x, bottom + 9, bottom + 30) ? run + 1 : 0;
+        gaps += run == 5;
+    }
+    free(rgb);
+    assert_in_range(gaps, BEAMS - 1, BEAMS + 1); /* and at the panel's edges */
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(window_is_minus_160_to_60),
@@ -666,6 +722,7 @@ int main(void) {
         cmocka_unit_test(maps_follow_their_format_and_lines),
         cmocka_unit_test(what_cannot_be_drawn_is_refused),
         cmocka_unit_test(gain_is_of_the_bins_centre),
+        cmocka_unit_test(names_of_beams_are_apart),
         cmocka_unit_test(failures_leave_nothing),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
