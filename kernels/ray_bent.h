@@ -170,9 +170,11 @@ FORMULA real ray_per_steradian(const ray *r, real t, real density, real cosine) 
     return density * bent_across(r, t) * bent_along(r, t) / cosine;
 }
 
+/* The fraction exceeds a tanh from |x| = 3.9 on, where a ray has left its layer long before. */
 FORMULA real ray_at_range(const ray *r, real range) {
-    real own = (range - r->range) / r->pace, x = r->bend * own, y = own * bent_tanh(x * x);
-    return y / (R(1.0) - r->bend * y * r->u.z);
+    real own = (range - r->range) / r->pace, x = r->bend * own;
+    real y = own * r_min(bent_tanh(x * x), R(1.0) / r_max(r_abs(x), R(1.0)));
+    return y / r_max(R(1.0) - r->bend * y * r->u.z, R(1e-6));
 }
 
 /* A displacement by a ray in its direction takes 1 / q of range. */

@@ -436,6 +436,30 @@ static void a_steep_thermocline_meets_quadrature(void **state) {
     }
 }
 
+/* The nadir beyond a step of 16 m/s within 5 cm, as between fresh water and salt: the layer's own rays, followed to the
+ * end of the range, would have left for water of any speed. */
+static void steep_rays_cross_a_thin_layer(void **state) {
+    (void)state;
+    for (int below = 0; below < 2; below++) {
+        asdic_sound_profile casts[] = {
+            {4, {0.0, 3.0, 3.05, 60.0}, {1496.0, 1496.0, 1480.0, 1480.0}},
+            {4, {0.0, 9.0, 9.05, 60.0}, {1480.0, 1480.0, 1496.0, 1496.0}}};
+        ping_rig r = bent_rig(0.0, 1u << 15);
+        r.env.sound_speed_profile = casts[below];
+        r.sonar.transmitter.pitch_rad = (below ? 60.0 : -60.0) * RIG_DEGREE;
+        r.receivers[0] = r.sonar.transmitter;
+        asdic_component c = below ? ASDIC_BOTTOM : ASDIC_SURFACE;
+        asdic_ping *ping = rig_shoot(&r, 0, true), *truth = expected(&r, ping);
+        difference d = compare(ping, truth, c);
+        print_message("beyond a step %s: r.m.s. %.4f dB, most %.3f\n", below ? "below" : "above",
+                      d.rms_db, d.most_db);
+        assert_true(d.rms_db < 0.3 && d.most_db < 2.0);
+        asdic_ping_destroy(&truth);
+        asdic_ping_destroy(&ping);
+        rig_destroy(&r);
+    }
+}
+
 /* A plane and a box from 5 to 11 m that mirror: five layers have triangles, rays end in each of them. */
 static void legs_are_the_same_for_all_kernels_and_layouts(void **state) {
     static const asdic_ray_kernel kernels[] = {ASDIC_RAY_KERNEL_WIDE8, ASDIC_RAY_KERNEL_PKT16,
@@ -629,6 +653,7 @@ int main(void) {
         cmocka_unit_test(kept_bottoms_stay_lifted),
         cmocka_unit_test(layers_meet_quadrature),
         cmocka_unit_test(a_steep_thermocline_meets_quadrature),
+        cmocka_unit_test(steep_rays_cross_a_thin_layer),
         cmocka_unit_test(legs_are_the_same_for_all_kernels_and_layouts),
         cmocka_unit_test(trapped_rays_are_followed),
         cmocka_unit_test(rays_with_too_many_legs_are_given_up),
