@@ -240,7 +240,8 @@ FORMULA triple ray_back(const ray *r, real t) {
 
 /* With depth down for planes below; for planes above the caller turns the signs of DOWN and BEND. */
 
-/* The nearer root of b m^2 T^2 / 2 - T u_z + h (1 + b h / 2) = 0, where both are not behind. */
+/* The nearer root of b m^2 T^2 / 2 - T u_z + h (1 + b h / 2) = 0, where both are not behind. A plane beyond that of
+ * c = 0, as a layer's water going on has it, is never met: the equation takes it for its image on this side. */
 FORMULA real ray_to_plane(real height, real down, real bend) {
     real level = (R(1.0) - down) * (R(1.0) + down);
     real w = height * (R(1.0) + R(0.5) * bend * height);
@@ -252,6 +253,7 @@ FORMULA real ray_to_plane(real height, real down, real bend) {
     real turned = (down - grazing) / r_min(curl, (real)(-RAY_LEVEL));
     real t = choose(down > R(0.0), direct, turned);
     mask meets = (grazing2 >= R(0.0)) & ((down > R(0.0)) | (curl < (real)(-RAY_LEVEL)));
+    meets &= R(1.0) + bend * height > R(0.0);
     return choose(meets, t, (real)(INFINITY));
 }
 

@@ -460,6 +460,45 @@ static void steep_rays_cross_a_thin_layer(void **state) {
     }
 }
 
+/* A thermocline of 10 m/s within a metre, with which the sound speed would be 0 far above the plane beyond it: the bottom
+ * under it, the surface over one that is upside down. */
+static void planes_far_beyond_a_thermocline_are_met(void **state) {
+    (void)state;
+    for (int below = 0; below < 2; below++) {
+        asdic_sound_profile casts[] = {
+            {4, {0.0, 300.0, 301.0, 500.0}, {1480.0, 1480.0, 1490.0, 1490.0}},
+            {4, {0.0, 20.0, 21.0, 500.0}, {1490.0, 1490.0, 1480.0, 1480.0}}};
+        ping_rig r = bent_rig(0.0, 1u << 14);
+        asdic_ping *truth = NULL;
+        r.env.sound_speed_profile = casts[below];
+        r.pose.position_m.z = below ? 5.0 : 315.0;
+        r.sonar.max_range_m = 400.0;
+        r.sonar.ping_rate_hz = 1.0;
+        r.sonar.bin_length_m = 10.0;
+        r.sonar.frequency_hz = 3e4;
+        r.sonar.transmitter.pitch_rad = (below ? 60.0 : -60.0) * RIG_DEGREE;
+        r.receivers[0] = r.sonar.transmitter;
+        asdic_scene_destroy(&r.scene);
+        assert_ok(t.ctx, asdic_scene_create(t.ctx, &r.scene));
+        assert_ok(t.ctx, asdic_scene_set_bottom_plane(r.scene, 320.0, asdic_material_bottom(2.0)));
+        asdic_flat_scene flat = {.has_surface = true,
+                                 .has_bottom = true,
+                                 .altitude_m = 320.0 - r.pose.position_m.z,
+                                 .depth_m = r.pose.position_m.z,
+                                 .bottom = asdic_material_bottom(2.0)};
+        asdic_ping *ping = rig_shoot(&r, 0, true);
+        assert_ok(t.ctx, asdic_ping_create(t.ctx, 1, ping->bins, &truth));
+        assert_ok(t.ctx, asdic_expected_compute(t.ctx, &flat, &r.env, &r.sonar, &r.pose, truth));
+        difference d = compare(ping, truth, below ? ASDIC_BOTTOM : ASDIC_SURFACE);
+        print_message("far %s a thermocline: r.m.s. %.4f dB, most %.3f\n",
+                      below ? "below" : "above", d.rms_db, d.most_db);
+        assert_true(d.rms_db < 0.1 && d.most_db < 0.5);
+        asdic_ping_destroy(&truth);
+        asdic_ping_destroy(&ping);
+        rig_destroy(&r);
+    }
+}
+
 /* A plane and a box from 5 to 11 m that mirror: five layers have triangles, rays end in each of them. */
 static void legs_are_the_same_for_all_kernels_and_layouts(void **state) {
     static const asdic_ray_kernel kernels[] = {ASDIC_RAY_KERNEL_WIDE8, ASDIC_RAY_KERNEL_PKT16,
@@ -654,6 +693,7 @@ int main(void) {
         cmocka_unit_test(layers_meet_quadrature),
         cmocka_unit_test(a_steep_thermocline_meets_quadrature),
         cmocka_unit_test(steep_rays_cross_a_thin_layer),
+        cmocka_unit_test(planes_far_beyond_a_thermocline_are_met),
         cmocka_unit_test(legs_are_the_same_for_all_kernels_and_layouts),
         cmocka_unit_test(trapped_rays_are_followed),
         cmocka_unit_test(rays_with_too_many_legs_are_given_up),
