@@ -2,7 +2,8 @@
 
 A C program is made from the headers: it calls each function in a child process of its own, with
 arguments of four kinds. A function that returns a status refuses what it cannot work on; the place
-for what it would have made then holds NULL, whatever it held before.
+for what it would have made then holds NULL, whatever it held before. One that returns something else
+returns nothing of nothing: zeros, NULL.
 """
 import functools
 import os
@@ -36,6 +37,10 @@ PROGRAM = r"""
 static char room[8][1 << 16];
 static void *place; /* for what is made */
 static asdic_context *ctx;
+static int is_something(const void *got, size_t size) {
+    static const char zeros[1 << 16];
+    return memcmp(got, zeros, size) != 0;
+}
 %s
 typedef struct entry { const char *name; int (*call)(int kind); } entry;
 static const entry entries[] = {
@@ -73,6 +78,11 @@ int main(void) {
 # Of the functions without a status, those that ask one of these; the others are arithmetic on
 # what the caller fills in, many times a ping.
 ASKS = re.compile(r"asdic_(mission|scene|mesh|run|environment|sonar|context)_")
+
+TOLD = re.compile(r"asdic_(mission|scene|mesh|run)_")
+# What has no zeros to tell of nothing: its header says INFINITY or NAN.
+NO_ZEROS = {"asdic_mission_bottom_m", "asdic_mission_uncertainty", "asdic_run_get_errors",
+            "asdic_scene_altitude_m"}
 
 
 def prototypes():
@@ -134,7 +144,9 @@ def source():
         for k in range(4):
             call = f"{name}({', '.join(column[k] for column in columns)})"
             lines.append(f"    case {k}: " + (f"return (int){call};" if result == "asdic_status"
-                                              else f"(void){call}; return 0;"))
+                                              else f"(void){call}; return 0;" if result == "void"
+                                              else f"{{ {result} got = {call}; return is_something(&got, "
+                                                   "sizeof got); }"))
         calls.append(f"static int call_{name}(int kind) {{\n    memset(&nan_asdic_pose, 0xff, "
                      "sizeof nan_asdic_pose);\n    memset(&nan_asdic_vec3, 0xff, sizeof "
                      "nan_asdic_vec3);\n    switch (kind) {\n" + "\n".join(lines)
@@ -177,6 +189,15 @@ def test_nothing_crashes():
     taken = [f"{name}({kind})" for name, kind, _, code in rows
              if name in has_status and code == "0" and kind not in FINE.get(name, {})]
     tap.equal(taken, [], "accepted though there was nothing to work on")
+
+
+def test_nothing_has_nothing():
+    """As context.h says; a number of what is not there would be taken for an answer."""
+    of = {name for result, name, types in prototypes() if result not in ("asdic_status", "void")
+          and TOLD.match(name) and any(kind.endswith("*") for kind in types)} - NO_ZEROS  # fmt: skip
+    asked = [(name, code) for name, kind, _, code in results() if name in of and kind == "nothing"]
+    tap.equal(len(asked) >= 30, True, f"{len(asked)} functions that tell something")
+    tap.equal([name for name, code in asked if code != "0"], [], "had something of nothing")
 
 
 def test_what_fails_makes_nothing():

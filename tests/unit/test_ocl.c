@@ -152,6 +152,12 @@ static void work_group_is_lowered_and_range_rounded_up(void **state) {
     assert_int_equal(got[0], 4 < most ? 8 : 5);
     assert_int_equal(got[2], 1);
 
+    for (size_t global = 1; global <= 9; global++) { /* whole groups, and none too many */
+        size_t local = most < 3 ? most : 3;
+        launch_sizes(kernel, global, local, got);
+        assert_int_equal(got[0], global % local ? global + local - global % local : global);
+    }
+
     launch_sizes(kernel, most + 1, most * 16, got);
     assert_int_equal(got[1], most);
     assert_int_equal(got[0], most == 1 ? 2 : 2 * most);
