@@ -1,15 +1,29 @@
 /* The pulse's length in range against the integral that it stands for. */
 #include "asserts.h"
 
+#include "base/share.h"
 #include "sim/pulse.h"
 
 #define BINS 40
+#define ROW (4 * BINS) /* of scratch, more than a thread takes */
+
+/* The thread that does all work. */
+static unsigned worker;
+
+void __wrap_asdic_share(unsigned threads, size_t count, size_t step,
+                        void (*work)(void *, unsigned, size_t, size_t), void *user);
+void __wrap_asdic_share(unsigned threads, size_t count, size_t step,
+                        void (*work)(void *, unsigned, size_t, size_t), void *user) {
+    (void)threads;
+    (void)step;
+    work(user, worker, 0, count);
+}
 
 typedef struct rig {
     asdic_context *ctx;
     asdic_ping *ping;
     asdic_sonar sonar;
-    double scratch[4 * BINS];
+    double scratch[ROW];
 } rig;
 
 static int set_up(void **state) {
@@ -105,10 +119,32 @@ static void pulse_is_a_window_s_mean(void **state) {
     }
 }
 
+/* Threads have room of their own: none writes where another one's is. */
+static void threads_do_not_share_their_room(void **state) {
+    rig *r = *state;
+    size_t own = asdic_pulse_scratch(BINS);
+    static double room[4 * ROW];
+    asdic_sonar sonar = asdic_sonar_default();
+    sonar.bin_length_m = 0.1;
+    sonar.bandwidth_hz = 1500.0;
+    for (worker = 0; worker < 4; worker++) {
+        for (size_t i = 0; i < 4 * own; i++) {
+            room[i] = -1.0;
+        }
+        asdic_pulse_smear(&sonar, 1500.0, 4, room, r->ping);
+        for (size_t i = 0; i < 4 * own; i++) {
+            assert_true(i / own == worker || room[i] == -1.0);
+        }
+        assert_true(room[worker * own] != -1.0);
+    }
+    worker = 0;
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(pulse_keeps_energy_and_widens, set_up, tear_down),
         cmocka_unit_test_setup_teardown(pulse_is_a_window_s_mean, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(threads_do_not_share_their_room, set_up, tear_down),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
