@@ -280,6 +280,53 @@ static void mirrors_bend_tubes_as_they_say(void **state) {
     assert_true(worst < 0.01 && plain > 0.1);
 }
 
+/* Of a plane of any slope that a ray meets, the place that is nearest in range: that of all of a net round the foot of
+ * the perpendicular, finer and finer. */
+static double brute_nearest(triple from, triple foot, triple n, double size, ray_medium water) {
+    triple a = fabs(n.x) < 0.6 ? (triple){1.0, 0.0, 0.0} : (triple){0.0, 1.0, 0.0};
+    triple u = cross3(n, a), v = cross3(n, u), best = foot;
+    double least = INFINITY;
+    for (; size > 1e-4; size *= 0.7) {
+        triple middle = best;
+        for (int k = 0; k < 9; k++) {
+            double x = size * (k % 3 - 1), y = size * (k / 3 - 1);
+            triple to = {middle.x + x * u.x + y * v.x, middle.y + x * u.y + y * v.y,
+                         middle.z + x * u.z + y * v.z};
+            ray_way way = ray_between(from, to, water, 1e-9);
+            double range = ray_range(&way.r, way.t);
+            best = range < least ? to : best;
+            least = fmin(range, least);
+        }
+    }
+    return least;
+}
+
+static void the_nearest_of_a_plane_is_found(void **state) {
+    unsigned seed = 8;
+    int tried = 0;
+    (void)state;
+    while (tried < RAYS) {
+        const double g = 0.3 * gradients[tried % GRADIENTS], t = 2.0 + 40.0 * draw(&seed);
+        ray_medium water = water_of(g, 20.0);
+        triple n = drawn(&seed, water).u;
+        double e = 2.8 * (draw(&seed) - 0.5);
+        ray r = ray_start((triple){0.0, 0.0, 20.0}, (triple){cos(e), 0.0, sin(e)}, water);
+        triple met = ray_point(&r, t);
+        double off = dot3(minus(met, r.from), n), range = ray_range(&r, t);
+        double sine = fabs(dot3(ray_direction(&r, t), n));
+        if (fabs(off) < 0.3 * t) {
+            continue; /* a flat ray's is cut at the ray's own range, or far from it */
+        }
+        triple foot = {r.from.x + off * n.x, r.from.y + off * n.y, r.from.z + off * n.z};
+        double least = brute_nearest(r.from, foot, n, 0.5 * t, water);
+        assert_close(ray_plane_nearest(&r, t, range, n, sine), 1.0000005 * least, 1e-5 * least);
+        r.across = 1e-3; /* behind a layer's edge: as in water that does not bend */
+        assert_close(ray_plane_nearest(&r, t, range, n, sine), fmin(range * sine, range),
+                     1e-6 * range);
+        tried++;
+    }
+}
+
 /* Without a gradient, and as it goes to nothing, rays are straight. */
 static void no_gradient_is_straight(void **state) {
     unsigned seed = 5;
@@ -338,6 +385,7 @@ int main(void) {
         cmocka_unit_test(tubes_are_as_wide_as_t),
         cmocka_unit_test(rays_meet_planes_where_they_say),
         cmocka_unit_test(mirrors_bend_tubes_as_they_say),
+        cmocka_unit_test(the_nearest_of_a_plane_is_found),
         cmocka_unit_test(no_gradient_is_straight),
         cmocka_unit_test(elevations_have_their_densities),
     };
