@@ -41,6 +41,21 @@ static void sha256_meets_published_vectors(void **state) {
     free(million);
 }
 
+/* Of texts of every length up to more than three blocks, against Python's hashlib: the digest of their digests. */
+static void sha256_takes_every_length(void **state) {
+    (void)state;
+    enum { LENGTHS = 200, HEX = 64 };
+    static char all[LENGTHS * HEX + 1];
+    uint8_t text[LENGTHS];
+    char hex[HEX + 1];
+    for (size_t i = 0; i < LENGTHS; i++) {
+        text[i] = (uint8_t)(7 * i + i / 3);
+        asdic_sha256_hex(text, i, all + HEX * i);
+    }
+    asdic_sha256_hex(all, sizeof all - 1, hex);
+    assert_string_equal(hex, "35f092a37f973ce610e136f7ea4a13bf34853f85a44c1b6cf1f085c72010ed14");
+}
+
 static void text_grows_and_quotes(void **state) {
     (void)state;
     asdic_text text = {0};
@@ -319,6 +334,7 @@ int main(void) {
         cmocka_unit_test(numbers_are_those_of_a_grammar),
         cmocka_unit_test(what_is_cleared_is_zero),
         cmocka_unit_test(sha256_meets_published_vectors),
+        cmocka_unit_test(sha256_takes_every_length),
         cmocka_unit_test(text_grows_and_quotes),
         cmocka_unit_test(text_has_a_decimal_point),
         cmocka_unit_test(arena_gives_aligned_zeros),

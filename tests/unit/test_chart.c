@@ -267,6 +267,7 @@ static void outlines_are_the_objects(void **state) {
     assert_int_equal(outlines[0].count, 4);
     assert_close(area_of(outlines[0].north_m, outlines[0].east_m, 4), 8.0, 1e-3);
     assert_string_equal(outlines[1].name, "ball");
+    assert_int_equal(outlines[1].count, 24);
     double disc_m2 = area_of(outlines[1].north_m, outlines[1].east_m, outlines[1].count);
     assert_close(disc_m2, ASDIC_PI * 9.0, 1.0); /* a polygon of 24 sides, within a mesh */
     assert_string_equal(outlines[2].name, "pair");
@@ -788,6 +789,29 @@ static void kept_charts_are_read(void **state) {
     assert_int_equal(system(command), 0);
 }
 
+/* Outlines have up to 24 corners, in files of any version. */
+static void outlines_of_24_corners_are_read(void **state) {
+    (void)state;
+    char folder[] = "/tmp/asdic-chart-XXXXXX", command[64];
+    assert_non_null(mkdtemp(folder));
+    for (size_t corners = 24; corners <= 25; corners++) {
+        char text[1024] = "object,outline,x_m,y_m\n";
+        for (size_t k = 0; k < corners; k++) {
+            snprintf(text + strlen(text), sizeof text - strlen(text), "rock,0,%zu,1\n", k);
+        }
+        write_kept(folder, "objects.csv", text);
+        asdic_chart_data data;
+        assert_int_equal(asdic_chart_data_read(ctx, folder, &data),
+                         corners > 24 ? ASDIC_ERROR_INPUT : ASDIC_OK);
+        if (corners <= 24) {
+            assert_int_equal(data.outlines[0].count, corners);
+            asdic_chart_data_finish(&data);
+        }
+    }
+    snprintf(command, sizeof command, "rm -r %s", folder);
+    assert_int_equal(system(command), 0);
+}
+
 /* Width, height and how many pixels are RGB of a picture, which is deleted. */
 static size_t count_pixels(const char *path, uint32_t rgb, size_t *width, size_t *height) {
     png_image image = {.version = PNG_IMAGE_VERSION};
@@ -931,6 +955,7 @@ int main(void) {
         cmocka_unit_test(names_do_not_cover_what_they_name),
         cmocka_unit_test(routes_are_the_runs),
         cmocka_unit_test(kept_charts_are_read),
+        cmocka_unit_test(outlines_of_24_corners_are_read),
         cmocka_unit_test(charts_leave_out_what_is_far),
         cmocka_unit_test(pictures_show_them),
     };
