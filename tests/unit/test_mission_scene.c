@@ -561,6 +561,53 @@ static void forms_are_compared_once_at_a_place(void **state) {
     }
 }
 
+/* Rays are counted as over meshes where a file holds facets, of the bottom or of an object; not for what a scene
+ * describes itself. */
+static void auto_counts_rays_as_over_meshes(void **state) {
+    workshop *w = *state;
+    static const char plane[] = "{depth_m: 50}", ball[] = "{name: b, sphere: {radius_m: 1}",
+                      wedge[] = "{name: w, mesh: wedge";
+    static const struct {
+        const char *bottom, *first, *second;
+        bool meshes;
+    } cases[] = {{plane, NULL, NULL, false},
+                 {plane, ball, NULL, false},
+                 {plane, wedge, NULL, true},
+                 {plane, ball, wedge, true},
+                 {"none", wedge, ball, true},
+                 {"{mesh: floor, position_m: [0, 0, 50]}", NULL, NULL, true},
+                 {"{grid: ground.asc, position_m: [0, 0, 3]}", ball, NULL, true}};
+    write_file(w, "ground.asc",
+               "ncols 2\nnrows 2\nxllcorner -90\nyllcorner -90\ncellsize 90\n40 41\n42 43\n");
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[1024];
+        const char *const objects[] = {cases[i].first, cases[i].second};
+        int used = snprintf(text, sizeof text,
+                            "version: 1\nsonar: {frequency_khz: 100, bin_length_m: 0.05,\n"
+                            "  receivers: {fan: {count: 64, sector_deg: 90}}}\n" POSE
+                            "sampling: {rays: auto}\nbottom: %s\n%s",
+                            cases[i].bottom, cases[i].first ? "objects:\n" : "");
+        for (int k = 0; k < 2 && objects[k]; k++) {
+            used += snprintf(text + used, sizeof text - (size_t)used,
+                             "  - %s, position_m: [%d, 0, 9]}\n", objects[k], 20 + 9 * k);
+        }
+        asdic_mission *m = load_text(w, text);
+        if (!m) {
+            print_error("%s", w->said);
+        }
+        assert_non_null(m);
+        double speed_mps = asdic_environment_sound_speed_mps(asdic_mission_environment(m), 3.0);
+        uint32_t rays[2];
+        for (int k = 0; k < 2; k++) {
+            rays[k] = asdic_rays_auto(asdic_mission_sonar(m), speed_mps, k);
+        }
+        assert_true(rays[1] > rays[0]);
+        assert_int_equal(asdic_mission_ray_forecast(m).rays, rays[cases[i].meshes]);
+        assert_int_equal(asdic_mission_ray_forecast(m).auto_rays, rays[cases[i].meshes]);
+        asdic_mission_destroy(&m);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(shapes_are_where_they_are_put),
@@ -569,6 +616,7 @@ int main(void) {
         cmocka_unit_test(range_is_that_of_the_sonars_depth),
         cmocka_unit_test(refraction_is_as_much_as_is_needed),
         cmocka_unit_test(forms_are_compared_once_at_a_place),
+        cmocka_unit_test(auto_counts_rays_as_over_meshes),
         cmocka_unit_test(runs_take_what_is_the_same),
         cmocka_unit_test(runs_take_no_mesh_that_is_another),
         cmocka_unit_test(runs_of_many_borrow_their_scene),
