@@ -5,6 +5,7 @@
 
 #include "base/clock.h"
 #include "de_locale.h"
+#include "mission/run/run_elements.h"
 #include "mission/run/run_facts.h"
 #include "mission/run/run_files.h"
 #include "mission/run/run_records.h"
@@ -626,6 +627,40 @@ static void files_may_have_any_number(void **state) {
     end(&f);
 }
 
+/* What a run that goes on finds behind its last ping goes; what it finds before stays. */
+static void elements_end_with_the_run(void **state) {
+    (void)state;
+    fixture f;
+    begin(&f);
+    for (size_t pings = 1; pings <= 4; pings++) {
+        asdic_elements_shape shape = {.pings = 3, .elements = 2, .samples = 1}, kept;
+        asdic_elements *elements = NULL;
+        float pressure[4] = {0.0f};
+        assert_ok(f.ctx, asdic_elements_open(f.ctx, in_folder("."), ASDIC_STORE_CREATE, &shape,
+                                             &elements));
+        for (size_t i = 0; i < 3; i++) {
+            pressure[3] = (float)i;
+            assert_ok(f.ctx, asdic_elements_write(elements, i, pressure));
+        }
+        asdic_elements_close(&elements);
+        shape.pings = pings;
+        assert_ok(f.ctx, asdic_elements_open(f.ctx, in_folder("."), ASDIC_STORE_RESUME, &shape,
+                                             &elements));
+        for (size_t i = 0; i < 4; i++) {
+            assert_int_equal(asdic_elements_has(elements, i), i < pings && i < 3);
+        }
+        assert_ok(f.ctx, asdic_elements_read(elements, 0, pressure));
+        assert_close(pressure[3], 0.0, 0.0);
+        assert_ok(f.ctx, asdic_elements_commit(elements));
+        asdic_elements_close(&elements);
+        const asdic_settings settings = {.elements = true, .sonar.array.elements = 2};
+        assert_ok(f.ctx, asdic_elements_shape_read(f.ctx, in_folder("."), &settings, &kept));
+        assert_int_equal(kept.pings, pings < 3 ? pings : 3);
+        assert_int_equal(unlink(in_folder(ASDIC_ELEMENTS_NAME)), 0);
+    }
+    end(&f);
+}
+
 /* bins.csv says in text, to the last bit, what pings.npy says in binary. */
 static void csv_reads_back_to_the_bit(void **state) {
     (void)state;
@@ -933,6 +968,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test(elements_are_of_one_process),
         cmocka_unit_test(room_is_for_what_is_to_come),
         cmocka_unit_test(files_may_have_any_number),
+        cmocka_unit_test(elements_end_with_the_run),
         cmocka_unit_test(csv_reads_back_to_the_bit),
         cmocka_unit_test(damaged_folders_are_refused),
         cmocka_unit_test(facts_are_read_whole),
