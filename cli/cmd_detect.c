@@ -18,8 +18,8 @@ static const char *const backgrounds[] = {"auto", "flat", "simulated", "cfar", N
 
 static bool read_request(cli *c, request *r) {
     int target = 0, cfar = 0, background = 0;
-    uint64_t cells = 8, guard = 2;
     *r = (request){.options = asdic_detect_options_default(), .detector = {0}};
+    uint64_t cells = r->options.cfar.cells, guard = r->options.cfar.guard;
     cli_choice(c, "target", cli_target_names, &target);
     cli_number(c, "pfa", 1e-12, 0.5, &r->detector.pfa);
     cli_number(c, "prior", 1e-9, 0.999, &r->detector.prior);

@@ -3,6 +3,11 @@
 #include "told.h"
 
 #include "cli/cli_state.h"
+#include "cli/commands.h"
+
+#include <asdic/asdic.h>
+
+#include <ctype.h>
 
 #define USAGE "'asdic try --help' shows how it is used\n"
 
@@ -371,10 +376,72 @@ static void the_device_is_of_option_or_environment(void **state) {
     assert_null(cli_device(&c));
 }
 
+/* Whether the help of an option says that it is VALUE where it is not given. */
+static bool tells(const cli_command *of, const char *option, const char *value) {
+    static const char *const words[] = {"default ", "else "};
+    const cli_option *o = of->options;
+    while (o->name && strcmp(o->name, option) != 0) {
+        o++;
+    }
+    for (size_t i = 0; o->name && i < sizeof words / sizeof *words; i++) {
+        for (const char *at = o->help; (at = strstr(at, words[i])); at++) {
+            const char *said = at + strlen(words[i]), *behind = said + strlen(value);
+            if (strncmp(said, value, strlen(value)) == 0 && !isalnum((unsigned char)*behind) &&
+                !(*behind == '.' && isalnum((unsigned char)behind[1]))) {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+/* What a program gets from the library that sets nothing. */
+static void help_tells_the_defaults(void **state) {
+    (void)state;
+    const asdic_dataset_options set = asdic_dataset_options_default();
+    const asdic_detect_options detect = asdic_detect_options_default();
+    const asdic_roc_options roc = asdic_roc_options_default();
+    const asdic_trial_options trial = asdic_trial_options_default();
+    const asdic_view_options view = asdic_view_options_default();
+    const struct {
+        const cli_command *command;
+        const char *option;
+        double value;
+    } rows[] = {{&cli_dataset_command, "number", (double)set.frames},
+                {&cli_dataset_command, "seed", (double)set.seed},
+                {&cli_dataset_command, "threshold", set.threshold},
+                {&cli_dataset_command, "radius", set.radius_px},
+                {&cli_detect_command, "cfar-cells", detect.cfar.cells},
+                {&cli_detect_command, "cfar-guard", detect.cfar.guard},
+                {&cli_detect_command, "truth", detect.truth_snr_db},
+                {&cli_detect_command, "cell", detect.cell_m},
+                {&cli_roc_command, "bearing", roc.bearing_rad},
+                {&cli_roc_command, "ping", (double)roc.ping},
+                {&cli_roc_command, "trials", (double)roc.trials},
+                {&cli_roc_command, "seed", (double)roc.seed},
+                {&cli_trial_command, "runs", (double)trial.runs},
+                {&cli_trial_command, "seed", (double)trial.seed}};
+    char value[64];
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        snprintf(value, sizeof value, "%.15g", rows[i].value);
+        if (!tells(rows[i].command, rows[i].option, value)) {
+            print_error("--%s of '%s' is %s where it is not given\n", rows[i].option,
+                        rows[i].command->name, value);
+            fail();
+        }
+    }
+    snprintf(value, sizeof value, "%ux%u", (unsigned)view.width, (unsigned)view.height);
+    assert_true(tells(&cli_view_command, "size", value));
+    assert_int_equal(view.colormap, ASDIC_COLORMAP_INFERNO);
+    assert_true(tells(&cli_view_command, "colormap", "inferno"));
+    assert_false(tells(&cli_roc_command, "trials", "1") || tells(&cli_detect_command, "cell", "0"));
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(options_are_those_of_the_command),
         cmocka_unit_test(words_are_options_and_operands),
+        cmocka_unit_test(help_tells_the_defaults),
         cmocka_unit_test(verbosity_has_four_steps),
         cmocka_unit_test(mistakes_are_named),
         cmocka_unit_test(numbers_have_limits),
