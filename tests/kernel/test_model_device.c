@@ -75,9 +75,10 @@ static double measure(size_t model, double value, double reference) {
 static void device_agrees_with_host(void **state) {
     size_t model = *(const size_t *)*state;
     const asdic_model_info *info = asdic_model_get(model);
-    double *keys = calloc(POINTS * ASDIC_MODEL_MAX_KEYS, sizeof *keys);
-    double *host = calloc(POINTS, sizeof *host), *device = calloc(POINTS, sizeof *device);
-    assert_non_null(keys);
+    double *keys = calloc((POINTS + 1) * ASDIC_MODEL_MAX_KEYS, sizeof *keys);
+    double *host = calloc(POINTS + 1, sizeof *host), *device = calloc(POINTS + 1, sizeof *device);
+    assert_true(keys && host && device);
+    host[POINTS] = device[POINTS] = -7.0; /* of nobody */
     size_t corners = (size_t)1 << info->key_count;
     for (size_t i = 0; i < POINTS; i++) {
         for (size_t k = 0; k < info->key_count; k++) {
@@ -89,6 +90,7 @@ static void device_agrees_with_host(void **state) {
     assert_ok(place.ctx, asdic_model_evaluate_many(place.ctx, NULL, model, keys, POINTS, host));
     assert_ok(place.ctx,
               asdic_model_evaluate_many(place.ctx, place.device, model, keys, POINTS, device));
+    assert_true(host[POINTS] == -7.0 && device[POINTS] == -7.0);
     double worst = 0.0;
     size_t worst_at = 0;
     for (size_t i = 0; i < POINTS; i++) {
