@@ -271,6 +271,37 @@ static void fan_of_an_array_lies_in_its_plane(void **state) {
     check_plane(-130.0);
 }
 
+/* Intensities know an array's beams as even apertures that take in as much from all around: of equal weights its whole
+ * length, of Hann's, whose squares
+ * add up to 1.5 over their number, two thirds of it. */
+static void beams_of_an_array_are_even_apertures(void **state) {
+    (void)state;
+    for (int elements = 16; elements <= 45; elements += 29) {
+        for (int hann = 0; hann < 2; hann++) {
+            asdic_arena arena = {0};
+            asdic_scene_file file;
+            char array[128];
+            snprintf(array, sizeof array,
+                     "  array: {elements: %d, spacing_wl: 0.4, shading: %s, beams: {count: 3, "
+                     "sector_deg: 90}}\n",
+                     elements, hann ? "hann" : "none");
+            char *text = edited(MINIMAL, "  receivers:\n    - name: forward\n", array);
+            char *errors = read_errors(text, strlen(text), &arena, &file);
+            assert_string_equal(errors, "");
+            asdic_beam beams[3];
+            asdic_scene_file_receivers(&file, beams);
+            double spacing_m = asdic_scene_file_sonar(&file).array.spacing_m;
+            assert_close(spacing_m, 0.4 * 0.01495, 1e-4);
+            for (size_t i = 0; i < 3; i++) {
+                assert_close(beams[i].length_h_m, elements * spacing_m / (hann ? 1.5 : 1.0), 1e-12);
+            }
+            free(errors);
+            free(text);
+            asdic_arena_finish(&arena);
+        }
+    }
+}
+
 static void decimal_comma_locale_changes_nothing(void **state) {
     (void)state;
     char *before = dump_file("example.yaml");
@@ -332,6 +363,7 @@ int main(void) {
         cmocka_unit_test(json_is_read_as_yaml_is),
         cmocka_unit_test(fan_spreads_from_port_to_starboard),
         cmocka_unit_test(fan_of_an_array_lies_in_its_plane),
+        cmocka_unit_test(beams_of_an_array_are_even_apertures),
         cmocka_unit_test(decimal_comma_locale_changes_nothing),
         cmocka_unit_test(damaged_files_are_answered),
     };
