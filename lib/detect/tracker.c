@@ -50,9 +50,12 @@ asdic_status asdic_tracker_create(asdic_context *ctx, const asdic_tracker_option
     if (!(options->gate > 0.0) || !(options->acceleration >= 0.0) || !(options->speed_mps > 0.0) ||
         options->confirm < 1 || options->confirm > options->of || options->of > 32 ||
         options->misses < 1) {
-        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
-                          "a tracker with gate %g, %u hits of %u pings (at most 32), %u misses",
-                          options->gate, options->confirm, options->of, options->misses);
+        return asdic_fail(
+            ctx, ASDIC_ERROR_ARGUMENT,
+            "a tracker with gate %g, acceleration %g m^2/s^3, speed %g m/s, %u hits of "
+            "%u pings (at most 32), %u misses",
+            options->gate, options->acceleration, options->speed_mps, options->confirm, options->of,
+            options->misses);
     }
     asdic_tracker *t = calloc(1, sizeof *t);
     if (!t) {
