@@ -930,8 +930,48 @@ static void charts_leave_out_what_is_far(void **state) {
     }
 }
 
+/* White inside the ring where an object's way begins, and nowhere else along it. */
+static void routes_begin_with_a_ring(void **state) {
+    (void)state;
+    char path[] = "/tmp/asdic-chart-XXXXXX";
+    const double north_m[2] = {0, 100}, east_m[2] = {0, 0};
+    asdic_route_point points[3] = {
+        {0, 20, 30, 0}, {1, 50, 60, 0}, {2, 80, 20, 0}}; /* time, north, east */
+    const asdic_route route = {.name = "", .points = points, .count = 3};
+    const asdic_picture_options options = asdic_picture_options_default();
+    asdic_chart chart = {.relief = &no_relief,
+                         .routes = &route,
+                         .route_count = 1,
+                         .north_m = north_m,
+                         .east_m = east_m,
+                         .track_count = 2};
+    asdic_chart_page page;
+    png_image image = {.version = PNG_IMAGE_VERSION};
+    assert_true(mkstemp(path) >= 0);
+    if (!asdic_picture_annotated()) {
+        unlink(path);
+        skip();
+    }
+    asdic_chart_page_init(&page, &chart, &options);
+    assert_int_equal(asdic_draw_chart(ctx, path, &chart, &options), ASDIC_OK);
+    assert_true(png_image_begin_read_from_file(&image, path));
+    image.format = PNG_FORMAT_RGB;
+    uint8_t *rgb = malloc(PNG_IMAGE_SIZE(image));
+    assert_non_null(rgb);
+    assert_true(png_image_finish_read(&image, NULL, rgb, 0, NULL));
+    unlink(path);
+    for (size_t i = 0; i < 3; i++) {
+        size_t x = (size_t)asdic_chart_x(&page, points[i].east_m);
+        size_t y = (size_t)asdic_chart_y(&page, points[i].north_m);
+        const uint8_t *at = rgb + 3 * (y * image.width + x);
+        assert_int_equal(at[0] == 255 && at[1] == 255 && at[2] == 255, i == 0);
+    }
+    free(rgb);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(routes_begin_with_a_ring),
         cmocka_unit_test(cells_of_an_overview_are_whole_pixels),
         cmocka_unit_test(relief_is_the_bottoms_depth),
         cmocka_unit_test(relief_keeps_to_its_triangles),

@@ -4,6 +4,7 @@
 #include "asserts.h"
 
 #include "mission/run/run_picture.h"
+#include "out/draw.h"
 
 #include <math.h>
 #include <string.h>
@@ -81,8 +82,26 @@ static void ascopes_tell_which_curves_are_simulated(void **state) {
     }
 }
 
+/* Notes fill the room that they have, part by part, and no more. */
+static void notes_end_where_their_room_does(void **state) {
+    (void)state;
+    char room[3 * ASDIC_NOTE_SIZE];
+    memset(room, '#', sizeof room);
+    room[0] = '\0';
+    for (size_t i = 0; i < 60; i++) {
+        size_t before = strlen(room);
+        asdic_draw_note_add(room, "twenty-five bytes of note");
+        size_t wanted = before + (i ? strlen(ASDIC_NOTE_PART) : 0) + 25;
+        assert_int_equal(strlen(room), wanted < ASDIC_NOTE_SIZE ? wanted : ASDIC_NOTE_SIZE - 1);
+    }
+    for (size_t i = ASDIC_NOTE_SIZE; i < sizeof room; i++) {
+        assert_int_equal(room[i], '#');
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(notes_end_where_their_room_does),
         cmocka_unit_test(rough_pictures_say_so),
         cmocka_unit_test(fine_ones_say_nothing),
         cmocka_unit_test(coherent_pings_are_said_to_be),
