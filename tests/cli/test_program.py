@@ -128,6 +128,45 @@ def test_options_that_would_do_nothing_are_refused():
                      "--kernel is of rays alone")
 
 
+SMALL = """version: 1
+bottom: {depth_m: 12}
+objects: [{name: far, sphere: {radius_m: 0.5}, position_m: [95, 1, 9]}]
+sonar: {frequency_khz: 100, max_range_m: 30, receivers: {fan: {count: 5, sector_deg: 90}}}
+mission: {pose: {position_m: [0, 0, 7]}, pings: 4}
+sampling: {rays: 500}
+output: {images: []}
+"""
+REFUSED = {  # what is said of it, in whole
+    "run s.yaml -o x --pings 2:5": "--pings goes beyond the mission's 4 pings (0..3)",
+    "run s.yaml -o x --shard 1/9": "--shard 1/9 is empty: pings to share: 4",
+    "dataset s.yaml -o x -n 4 --shard 1/9": "--shard 1/9 is empty: frames to share: 4",
+    "trial s.yaml -o x --runs 4 --shard 1/9": "--shard 1/9 is empty: runs to share: 4",
+    "expect s.yaml -o - --ping 4": "--ping 4: the mission has 4 pings (0..3)",
+    "roc s.yaml -o x --ping 4": "ping 4 of a mission of 4",
+    "roc s.yaml -o x --object far": "object 'far' is beyond the sonar's range of 30 m",
+    "render r --ping 4 --images fan -o x.png": "no ping 4; there are 0 to 3",
+    "render r --ping 2 --images waterfall -o x.png":
+        "ping 2: A-scopes and fans are of one ping; neither is asked for",
+    "render r --images ascope -o x.png":
+        "one picture can go to 'x.png', but these are 2; choose one kind, and one beam or ping of it",
+    "render p --ping 1 --images fan -o x.png": "no ping 1; there are 2 to 2",
+    "merge r p -o m": "'r' ends before ping 4, but 'p' begins with ping 2",
+}
+
+
+def test_refusals_say_their_numbers():
+    need_device()
+    with Folder() as folder:
+        folder.write("s.yaml", SMALL)
+        for arguments in ["-o", "r"], ["-o", "p", "--pings", "2:3"]:
+            asdic("run", "s.yaml", "-q", *arguments, cwd=folder.path).check(code=0)
+        for arguments, said in REFUSED.items():
+            done = asdic(*arguments.split(), cwd=folder.path)
+            told = [line for line in done.err.splitlines() if line.startswith("error: ")]
+            tap.equal((done.code != 0, told), (True, ["error: " + said]), arguments)
+        tap.equal(sorted(os.listdir(folder.path)), ["p", "r", "s.yaml"], "left behind")
+
+
 def test_colours_are_for_terminals_only():
     tap.lacks(asdic("devcies").err, "\033")
     shown = asdic_on_terminal("devcies").check(code=2).err
