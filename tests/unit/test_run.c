@@ -207,6 +207,28 @@ static void interrupted_run_goes_on(void **state) {
     end(&f);
 }
 
+/* The ping that an interruption's sentence tells is the mission's, also of a part of it. */
+static void interruptions_tell_the_missions_ping(void **state) {
+    (void)state;
+    asdic_run_options part = {.first = 7, .count = 80, .resume = true};
+    for (size_t turn = 0; turn < 2; turn++) { /* while pings are made, and before more are */
+        fixture f;
+        begin(&f);
+        f.stop_at = turn == 0 ? 20 : 10;
+        f.devices[0].delay_us = 1500;
+        assert_int_equal(run(&f, 1, part, "later"), ASDIC_ERROR_INTERRUPTED);
+        size_t ping, kept, planned;
+        assert_int_equal(sscanf(asdic_context_error(f.ctx),
+                                "interrupted at ping %zu; %zu of %zu pings are kept", &ping, &kept,
+                                &planned),
+                         3);
+        assert_int_equal(planned, 80);
+        assert_true(kept >= 20 && kept < 80);
+        assert_int_equal(ping, 7 + (turn == 0 ? kept : f.reported));
+        end(&f);
+    }
+}
+
 /* An interruption that comes while the records of an earlier call are checked. */
 static void interrupted_while_records_are_checked(void **state) {
     (void)state;
@@ -957,6 +979,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test(losing_all_devices_keeps_what_was_done),
         cmocka_unit_test(no_device_leaves_no_folder),
         cmocka_unit_test(interrupted_run_goes_on),
+        cmocka_unit_test(interruptions_tell_the_missions_ping),
         cmocka_unit_test(interrupted_while_records_are_checked),
         cmocka_unit_test(killed_run_goes_on),
         cmocka_unit_test(bad_records_are_named_and_made_again),
