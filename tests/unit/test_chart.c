@@ -720,6 +720,25 @@ static void routes_are_the_runs(void **state) {
     assert_int_equal(data.route_count, 0);
 }
 
+/* From its first time to its last, and from before to behind them, a route is whole. */
+static void routes_are_cut_beyond_their_ends(void **state) {
+    (void)state;
+    for (double beyond_s = 0.0; beyond_s < 6.0; beyond_s += 5.0) {
+        asdic_route_point points[] = {{0, 1, 2, 0.1}, {10, 3, 4, 0.2}, {20, 5, 6, 0.3}};
+        asdic_route route = {.name = "boat", .points = points, .count = 3};
+        asdic_chart_data data = {.routes = &route, .route_count = 1, .points = points};
+        asdic_chart_data_cut(&data, -beyond_s, 20.0 + beyond_s);
+        assert_int_equal(route.count, 3);
+        for (size_t i = 0; i < 3; i++) {
+            double time_s = 10.0 * (double)i + ((double)i - 1.0) * beyond_s;
+            assert_close(points[i].time_s, time_s, 0.0);
+            assert_close(points[i].north_m, 1.0 + 2.0 * (double)i, 0.0);
+            assert_close(points[i].east_m, 2.0 + 2.0 * (double)i, 0.0);
+            assert_close(points[i].yaw_rad, 0.1 + 0.1 * (double)i, 1e-15);
+        }
+    }
+}
+
 static void write_kept(const char *folder, const char *name, const char *text) {
     char path[64];
     snprintf(path, sizeof path, "%s/%s", folder, name);
@@ -994,6 +1013,7 @@ int main(void) {
         cmocka_unit_test(overview_leaves_out_the_last_bin),
         cmocka_unit_test(names_do_not_cover_what_they_name),
         cmocka_unit_test(routes_are_the_runs),
+        cmocka_unit_test(routes_are_cut_beyond_their_ends),
         cmocka_unit_test(kept_charts_are_read),
         cmocka_unit_test(outlines_of_24_corners_are_read),
         cmocka_unit_test(charts_leave_out_what_is_far),

@@ -143,7 +143,33 @@ static void curves_follow_bent_rays(void **state) {
     }
 }
 
+/* In the background the same curve comes, a while later. */
+static void curves_come_from_the_background(void **state) {
+    (void)state;
+    asdic_mission *mission = load("{sound_speed_mps: 1490}");
+    size_t bins = asdic_sonar_bin_count(asdic_mission_sonar(mission), 1490.0);
+    const asdic_loop_ping ping = {.pose = {.position_m = {0.0, 0.0, 7.0}}, .altitude_m = 5.0};
+    const float *shown[2] = {NULL};
+    asdic_live_expected live[2];
+    for (int k = 0; k < 2; k++) {
+        assert_ok(ctx, asdic_live_expected_init(ctx, bins, k == 1, &live[k]));
+        assert_null(asdic_live_expected_db(&live[k], ASDIC_BOTTOM));
+        for (int wait = 0; !shown[k] && wait < 4000; wait++) {
+            assert_ok(ctx, asdic_live_expected_follow(&live[k], mission, &ping, 0));
+            shown[k] = asdic_live_expected_db(&live[k], ASDIC_BOTTOM);
+            assert_true(shown[k] || k == 1);
+            usleep(shown[k] ? 0 : 5000);
+        }
+        assert_non_null(shown[k]);
+    }
+    assert_memory_equal(shown[0], shown[1], bins * sizeof *shown[0]);
+    asdic_live_expected_finish(&live[0]);
+    asdic_live_expected_finish(&live[1]);
+    asdic_mission_destroy(&mission);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(curves_follow_bent_rays)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(curves_follow_bent_rays),
+                                       cmocka_unit_test(curves_come_from_the_background)};
     return cmocka_run_group_tests(tests, context_begin, context_end);
 }
