@@ -885,6 +885,7 @@ def test_ascopes_show_the_run():
     with Folder() as folder:
         folder.write("way.csv", "time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n0,0,0,5,0,0,0\n0.1,1,0,8,0,0,0\n")
         run = run_of(folder, pings=3, edits={
+            "{name: down, pitch_deg: 45}": "{name: down, pitch_deg: 45, length_h_m: 0.2}",  # hears another noise
             "mission: {pose: {position_m: [0, 0, 5]}": f"mission: {{track: {folder / 'way.csv'}"})
         if "ascope_0.png" not in pictures(folder, "r"):
             raise tap.Skip("built without cairo")
