@@ -188,7 +188,9 @@ def test_large_pings_write_no_table_unless_asked():
             return {n for n in os.listdir(folder / "r") if n == "bins.csv" or "levels" in n}, done.err
         names, said = files_of(many)
         tap.equal(names, {"levels_float16.npy"})
-        tap.contains(said, "no bins.csv, which would have some 100 bytes for each bin of 334 beams")
+        for words in said, asdic("check", path).err, asdic("plan", "--no-forecast", path).err:
+            tap.contains(words, f"{path}: remark: no bins.csv, which would have some 100 bytes for each bin of 334 "
+                                "beams; 'output: {csv: long}' writes it, pings.npy holds the same\n")
         asdic("detect", folder / "r", "--background", "flat").check(code=0)
         asdic("render", folder / "r").check(code=0)
         many = many.replace("[waterfall, ascope, fan]", "[]")
@@ -507,6 +509,22 @@ def test_a_plan_shows_beams_that_are_no_fan():
         if not pictures(folder, "r1"):
             raise tap.Skip("built without cairo")
         tap.equal(pixels(folder, "r1", "plan.png") == pixels(folder, "r2", "plan.png"), True, "the same plan")
+
+
+def test_a_plan_joins_beams_that_touch():
+    """Two groups of six astern, no fan, of which each makes one area; twelve areas where gaps are between all."""
+    for step, areas in (6, 2), (8, 12):
+        with Folder() as folder:
+            bearings = [(group + step * k + 180) % 360 - 180 for group in (130, 190) for k in range(6)]
+            beams = "".join(f"\n    - {{name: b{k}, pitch_deg: 30, yaw_deg: {bearing}, length_h_m: 0.1}}"
+                            for k, bearing in enumerate(bearings))
+            run = run_of(folder, pings=1, edits={"\n    - {name: forward}\n    - {name: down, pitch_deg: 45}": beams,
+                                                 "[waterfall, ascope, fan]": "[plan]"})
+            if not pictures(folder, "r"):
+                raise tap.Skip("built without cairo")
+            text = render_bytes(run, "--images", "plan", "--format", "svg").decode()
+            drawn = re.findall(r'<path style="[^"]*fill:rgb\(0%,44[^"]*fill-opacity:0.2', text)
+            tap.equal(len(drawn), areas, f"areas of beams {step} degrees apart")
 
 
 def test_one_picture_goes_to_a_file_or_standard_output():
