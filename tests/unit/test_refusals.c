@@ -312,6 +312,57 @@ static void what_is_no_number_is_refused(void **state) {
     assert_int_equal(failures, 0);
 }
 
+/* The sentence says which number, of what, and its limits. */
+static void refusals_are_whole_sentences(void **state) {
+    (void)state;
+    static const struct {
+        const char *name;
+        double value;
+        const char *sentence;
+    } rows[] = {
+        {"temperature", 41, "environment: 'temperature_degc' = 41 is out of range [-2, 40] degC"},
+        {"first depth", -1,
+         "environment: 'sound_speed_profile', point 1: a depth of -1 m is out of range [0, 11000] "
+         "m"},
+        {"second depth", -1,
+         "environment: 'sound_speed_profile', point 2: a depth of -1 m is out of range [0, 11000] "
+         "m"},
+        {"last speed", 1200,
+         "environment: 'sound_speed_profile', point 2: a sound speed of 1200 m/s is out of range "
+         "[1300, 1700] m/s"},
+        {"foot of a layer", 12000,
+         "environment: a layer fitted from 0 m to 12000 m: depths ascend within [0, 11000] m"},
+        {"frequency", 99, "sonar: 'frequency_hz' = 99 is out of range [100, 1e+06] Hz"},
+        {"range", -1, "sonar: 'max_range_m' = -1 is not above 0 m"},
+        {"leak", 1, "sonar: 'rear_floor_db' = 1 is above 0 dB re on-axis"},
+        {"spikes", 0.04, "sonar: 'speckle_shape' = 0.04 is below 0.05"},
+        {"elements", 1, "1 elements: out of range [2, 1024]"},
+        {"side lobes", -5, "side lobes of -5 dB: out of range [-100, -10] dB"},
+        {"cells", 257, "CFAR of 257 cells a side (1..256), 2 guards (0..65536), rank 0.75 (0..1]"},
+        {"looks", 1001,
+         "CFAR over 8 bins (1..512), rank 6, 1001 looks (1..1000), P_FA 0.001 (0..1)"},
+        {"P_FA", 1, "a detector of P_FA 1 (between 0 and 1) for targets of 10 dB"},
+        {"cost", -1, "a detector with prior 0.01 (between 0 and 1), costs -1 (above 0)"},
+        {"misses", 0,
+         "a tracker with gate 9.21, acceleration 0.01 m^2/s^3, speed 0.5 m/s, 3 hits of 5 pings "
+         "(at most 32), 0 misses"},
+        {"prior of a map", 1,
+         "a map of cells of 0.5 m, prior 1, limit 10: all must be above 0, the prior below 1"},
+        {"P_FA of a threshold", 2, "a false-alarm probability of 2: must be in [1e-300, 1]"},
+        {"radius", -1, "the sphere's radius -1 m is out of range (0, 1e+09]"},
+        {"segments", 2, "2 segments are out of range [3, 4096]"},
+        {"bottom", 12001, "bottom depth 12001 m is out of range [0, 12000]"},
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        size_t k = 0;
+        while (strcmp(limits[k].name, rows[i].name) != 0) {
+            k++;
+        }
+        assert_int_equal(with(&limits[k], rows[i].value), ASDIC_ERROR_ARGUMENT);
+        assert_string_equal(asdic_context_error(ctx), rows[i].sentence);
+    }
+}
+
 static int set_up(void **state) {
     (void)state;
     return asdic_context_create(&ctx) == ASDIC_OK ? 0 : -1;
@@ -327,6 +378,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(numbers_are_taken_at_their_limits),
         cmocka_unit_test(what_is_no_number_is_refused),
+        cmocka_unit_test(refusals_are_whole_sentences),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }
