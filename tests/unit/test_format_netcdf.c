@@ -6,6 +6,7 @@
 
 #include "base/vec.h"
 #include "out/format.h"
+#include "out/netcdf_file.h"
 
 #include <asdic/asdic.h>
 
@@ -526,6 +527,17 @@ static void what_is_discarded_leaves_nothing(void **state) {
     assert_int_not_equal(access(name, F_OK), 0);
 }
 
+/* The first failure is kept, and nothing after it succeeds. */
+static void the_first_failure_is_kept(void **state) {
+    (void)state;
+    asdic_nc nc = {.failure = NC_NOERR};
+    assert_true(asdic_nc_check(&nc, NC_NOERR));
+    assert_false(asdic_nc_check(&nc, NC_ENOMEM));
+    assert_false(asdic_nc_check(&nc, NC_EHDFERR));
+    assert_false(asdic_nc_check(&nc, NC_NOERR));
+    assert_int_equal(nc.failure, NC_ENOMEM);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(levels_lie_by_ping_beam_and_range),
@@ -536,6 +548,7 @@ int main(void) {
         cmocka_unit_test(a_head_turns_its_beams),
         cmocka_unit_test(pings_lie_in_several_chunks),
         cmocka_unit_test(what_is_discarded_leaves_nothing),
+        cmocka_unit_test(the_first_failure_is_kept),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }
