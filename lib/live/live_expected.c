@@ -65,8 +65,8 @@ static void *answer(void *argument) {
     asdic_live_expected *e = argument;
     live_question q = e->asked;
     q.sonar.receivers = &q.beam;
-    e->status = asdic_expected_compute(e->ctx, &q.place.flat, &q.environment, &q.sonar,
-                                       &q.place.pose, e->ping);
+    e->found = asdic_expected_compute(e->ctx, &q.place.flat, &q.environment, &q.sonar,
+                                      &q.place.pose, e->ping);
     pthread_mutex_lock(&e->lock);
     e->is_done = true;
     pthread_mutex_unlock(&e->lock);
@@ -74,6 +74,7 @@ static void *answer(void *argument) {
 }
 
 static void take(asdic_live_expected *e) {
+    e->status = e->found;
     e->has_answer = e->status == ASDIC_OK;
     for (int c = 0; e->has_answer && c < ASDIC_COMPONENT_COUNT; c++) {
         for (size_t i = 0; i < e->ping->bins; i++) {

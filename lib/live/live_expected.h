@@ -24,8 +24,9 @@ typedef struct asdic_live_expected {
     live_question asked; /* of what is shown, or being computed */
     bool has_answer;
     float *level_db[ASDIC_COMPONENT_COUNT];
-    asdic_ping *ping; /* of the thread while it runs */
-    asdic_status status;
+    asdic_status status; /* of that */
+    asdic_ping *ping;    /* of the thread while it runs, as is FOUND */
+    asdic_status found;
     pthread_t thread;
     bool is_running;
     double begun_s;

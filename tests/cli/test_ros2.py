@@ -99,7 +99,7 @@ def test_a_message_is_made_for_who_subscribes_alone():
     """Pings that nobody hears are made all the same. A picture that nobody subscribes to is not drawn: one near
     the bottom, which is loud, then does not choose the window of those in mid-water."""
     need()
-    near, far = f"0 0 -10 0 {HALF!r} 0 {HALF!r}", "0 0 -4 0 0 0 1"  # straight down from 2 m above it, and ahead
+    near, far = f"0 0 -11 0 {HALF!r} 0 {HALF!r}", "0 0 -4 0 0 0 1"  # straight down from 1 m above it, and ahead
     with Folder() as folder:
         with Server(folder, SCENE) as server:
             got = peer(server, folder, [near], wait=2, cold=True, topics="none")
