@@ -109,7 +109,9 @@ def test_full_disk():
         for said, name in ((run, "full"), (saved, "saved")):
             tap.contains(said, "File too large")
             tap.contains(said, name)
-        tap.equal(asdic.Run(os.path.join(folder, "whole")).level_db.shape[:2], (40, 2), "what was there")
+        whole = os.path.join(folder, "whole")
+        tap.equal(asdic.Run(whole).level_db.shape[:2], (40, 2), "what was there")
+        tap.equal(asdic.Run(os.fsencode(whole)).folder, whole, "the folder of a path of bytes")
 
 
 def test_words_and_numbers():

@@ -106,7 +106,7 @@ class Run:
     """
 
     def __init__(self, folder: Folder, *, _keep: Any = None) -> None:
-        self.folder = os.fspath(folder)
+        self.folder = os.fsdecode(folder)
         self._keep = _keep
         self._context = Context()
         self._run = self._context.make("asdic_run", lib.asdic_run_close, lib.asdic_run_open, self._context.pointer,
