@@ -1,6 +1,8 @@
 /* Poses from lines: JSON objects, or comma-separated values with or without a header. */
 #include "serve.h"
 
+#include "cli_state.h"
+
 #include <ctype.h>
 #include <math.h>
 #include <stdlib.h>
@@ -27,6 +29,33 @@ static int find_column(const char *text, size_t length) {
         }
     }
     return -1;
+}
+
+/* Shorter names are near to any other. */
+#define LEAST_LETTERS 4
+
+/* Whether the name TEXT[0..LENGTH), which is no column's, was meant for one, as yaw for yaw_deg; others are somebody
+ * else's, and passed over. */
+static bool is_misspelt(const char *text, size_t length, char *why) {
+    char name[32];
+    const char *meant = NULL;
+    if (length == 0 || length >= sizeof name) {
+        return false;
+    }
+    memcpy(name, text, length);
+    name[length] = '\0';
+    for (int i = 0; i < SERVE_COLUMNS && !meant; i++) {
+        bool is_stem =
+            strncmp(serve_columns[i], name, length) == 0 && serve_columns[i][length] == '_';
+        meant = is_stem ? serve_columns[i] : NULL;
+    }
+    if (!meant && length >= LEAST_LETTERS) {
+        meant = cli_nearest(name, serve_columns, SERVE_COLUMNS);
+    }
+    if (meant) {
+        snprintf(why, SERVE_WHY_SIZE, "unknown name '%s'; did you mean '%s'?", name, meant);
+    }
+    return meant != NULL;
 }
 
 static const char *skip_blanks(const char *at) {
@@ -103,6 +132,9 @@ bool serve_read_object(const char *line, double value[SERVE_COLUMNS], char why[S
             return bad_json(line, at, "a name in double quotes", why);
         }
         int column = find_column(name, (size_t)(end - name));
+        if (column < 0 && is_misspelt(name, (size_t)(end - name), why)) {
+            return false;
+        }
         at = skip_blanks(end + 1);
         if (*at != ':') {
             return bad_json(line, at, "a colon", why);
@@ -140,6 +172,9 @@ static serve_line read_header(serve_reader *r, const char *line, char *why) {
             to--;
         }
         int column = find_column(from, (size_t)(to - from));
+        if (column < 0 && is_misspelt(from, (size_t)(to - from), why)) {
+            return SERVE_BAD;
+        }
         if (now.fields == SERVE_MAX_FIELDS || (column >= 0 && seen[column])) {
             snprintf(why, SERVE_WHY_SIZE,
                      now.fields == SERVE_MAX_FIELDS ? "more than 32 columns"

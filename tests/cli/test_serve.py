@@ -172,6 +172,20 @@ def test_every_line_that_asks_is_answered():
         tap.equal(["error" in answer for answer in answers], [False, True], "the longest line")
 
 
+def test_a_misspelt_name_is_no_angle_of_zero():
+    program.need_device()
+    place = '{"x_m": 0, "y_m": 0, "z_m": 7, "%s": 30}'
+    wrong = {"yaw": "yaw_deg", "pitch_dg": "pitch_deg", "Yaw_deg": "yaw_deg", "time": "time_s", "x": "x_m"}
+    others = ["id", "seq", "mode", "frame", "speed_mps", "lat", "cm", "heading_deg", ""]
+    with Folder() as folder:
+        lines = [place % name for name in [*wrong, *others]] + ["x_m,y_m,z_m,rol_deg", "x_m,y_m,z_m,depth,note"]
+        answers = [json.loads(line) for line in serve(folder, lines).out.splitlines()]
+        told = [f"unknown name '{name}'; did you mean '{meant}'?"
+                for name, meant in [*wrong.items(), ("rol_deg", "roll_deg")]]
+        tap.equal([answer["error"] for answer in answers if "error" in answer], told)
+        tap.equal(len(answers), len(wrong) + len(others) + 1)
+
+
 def test_lines_without_a_time_go_on_from_the_last_that_had_one():
     program.need_device()
     lines = ['{"x_m": 0, "y_m": 0, "z_m": 7%s}' % time
