@@ -123,19 +123,12 @@ bool asdic_context_compiles(const asdic_context *ctx) {
     return ctx && atomic_load(&ctx->compiling) > 0;
 }
 
-/* A sentence with decimal points, as what it quotes has them, whatever the program's locale is. */
-static void say(char *text, size_t size, const char *format, va_list args) {
-    locale_t before = asdic_c_locale_enter();
-    vsnprintf(text, size, format, args);
-    asdic_c_locale_leave(before);
-}
-
 asdic_status asdic_fail(asdic_context *ctx, asdic_status status, const char *format, ...) {
     if (ctx) {
         char text[sizeof ctx->error];
         va_list args;
         va_start(args, format);
-        say(text, sizeof text, format, args);
+        asdic_c_print(text, sizeof text, format, args);
         va_end(args);
         pthread_mutex_lock(&ctx->lock);
         snprintf(ctx->error, sizeof ctx->error, "%s", text);
@@ -162,7 +155,7 @@ void asdic_log(asdic_context *ctx, asdic_log_level level, const char *format, ..
         char text[2048];
         va_list args;
         va_start(args, format);
-        say(text, sizeof text, format, args);
+        asdic_c_print(text, sizeof text, format, args);
         va_end(args);
         ctx->log(ctx->user, level, text);
     }

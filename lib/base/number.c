@@ -2,6 +2,7 @@
 
 #include <math.h>
 #include <stdbool.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -102,4 +103,10 @@ void asdic_c_locale_leave(locale_t before) {
             freelocale(c);
         }
     }
+}
+
+void asdic_c_print(char *text, size_t size, const char *format, va_list args) {
+    locale_t before = asdic_c_locale_enter();
+    vsnprintf(text, size, format, args);
+    asdic_c_locale_leave(before);
 }

@@ -5,6 +5,7 @@
 #define ASDIC_BASE_NUMBER_H
 
 #include <locale.h>
+#include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -22,5 +23,8 @@ const char *asdic_integer_parse(const char *text, size_t length, int64_t *value)
  * the program's own setting are untouched. */
 locale_t asdic_c_locale_enter(void);
 void asdic_c_locale_leave(locale_t before);
+
+/* vsnprintf in the C locale: a sentence has decimal points, as what it quotes has them. */
+void asdic_c_print(char *text, size_t size, const char *format, va_list args);
 
 #endif

@@ -21,9 +21,7 @@ asdic_status asdic_mesh_scan_fail(const asdic_mesh_scan *scan, size_t line, cons
     char text[512];
     va_list args;
     va_start(args, format);
-    locale_t before = asdic_c_locale_enter();
-    vsnprintf(text, sizeof text, format, args);
-    asdic_c_locale_leave(before);
+    asdic_c_print(text, sizeof text, format, args);
     va_end(args);
     if (line == 0) {
         return asdic_fail(scan->ctx, ASDIC_ERROR_INPUT, "%s: %s", scan->path, text);

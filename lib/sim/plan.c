@@ -55,9 +55,7 @@ void asdic_plan_row_set(asdic_plan *plan, asdic_term term, bool kept, double bou
     row->bound_db = bound_db;
     va_list args;
     va_start(args, format);
-    locale_t before = asdic_c_locale_enter();
-    vsnprintf(row->reason, sizeof row->reason, format, args);
-    asdic_c_locale_leave(before);
+    asdic_c_print(row->reason, sizeof row->reason, format, args);
     va_end(args);
     if (!kept) {
         plan->left_out |= 1u << term;
