@@ -42,11 +42,6 @@ STEPS = {
     "double asdic_python_bottom(const asdic_scene *scene, double x, double y)": """{
     return asdic_mission_bottom_m(scene, (asdic_vec3){x, y, 0.0});
 }""",
-    "asdic_status asdic_python_ping(asdic_simulator *simulator, asdic_ping *ping, const asdic_sweep *sweep, uint64_t "
-    "index, double x, double y, double z, double roll, double pitch, double yaw)": """{
-    asdic_pose pose = asdic_python_place(sweep, index, x, y, z, roll, pitch, yaw);
-    return asdic_simulator_ping(simulator, &pose, index, ping);
-}""",
 }
 
 INTEGER = re.compile(r"\(?-?(0[xX][0-9a-fA-F]+|\d+)[uUlL]*\)?")

@@ -66,11 +66,6 @@ class _Mount:
         self._mission, self._scene = mission, lib.asdic_mission_scene(mission.pointer)
         self._sweep = ffi.new("asdic_sweep *", lib.asdic_mission_sweep(mission.pointer))
 
-    def ping(self, simulator: Any, ping: Any, at: tuple[float, ...], index: int) -> int:
-        """Simulates PING, number INDEX, of a vehicle at AT."""
-        status: int = lib.asdic_python_ping(simulator, ping, self._sweep, index, *at)
-        return status
-
     def set_pose(self, pose: Any, at: tuple[float, ...], index: int) -> None:
         """Where the sonar is and looks, which is where the vehicle does unless a head turns."""
         pose[0] = lib.asdic_python_place(self._sweep, index, *at)
@@ -312,7 +307,7 @@ class Simulator:
             index = self.index
             self._mount.set_pose(self._pose, at, index)
             self._prepare(simulator, self._pose)
-            self._context.check(self._mount.ping(simulator, result._struct, at, index))
+            self._context.check(lib.asdic_simulator_ping(simulator, self._pose, index, result._struct))
             self._note(result, at, index)
             self.index = index + 1
             return result
