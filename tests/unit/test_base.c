@@ -41,7 +41,7 @@ static void sha256_meets_published_vectors(void **state) {
     free(million);
 }
 
-/* Of texts of every length up to more than three blocks, against Python's hashlib: the digest of their digests. */
+/* Inputs of 0 to 199 bytes, more than three blocks; Python's hashlib gave one digest over all of their digests. */
 static void sha256_takes_every_length(void **state) {
     (void)state;
     enum { LENGTHS = 200, HEX = 64 };

@@ -271,9 +271,8 @@ static void fan_of_an_array_lies_in_its_plane(void **state) {
     check_plane(-130.0);
 }
 
-/* Intensities know an array's beams as even apertures that take in as much from all around: of equal weights its whole
- * length, of Hann's, whose squares
- * add up to 1.5 over their number, two thirds of it. */
+/* Intensities know an array's beams as even apertures that take in as much from all around: of equal weights its
+ * whole length, of Hann's, whose squares add up to 1.5 over their number, two thirds of it. */
 static void beams_of_an_array_are_even_apertures(void **state) {
     (void)state;
     for (int elements = 16; elements <= 45; elements += 29) {
