@@ -13,8 +13,9 @@
 
 typedef struct forecast {
     bool known;
-    double first_s, learn_s, ping_s;    /* kernels and upload; a lesson; every ping */
-    double write_s;                     /* every ping into the files */
+    double first_s, learn_s, ping_s; /* kernels and upload; a lesson; every ping */
+    double write_s;                  /* every ping into the files */
+    size_t lessons;
     double median_db, worst_db, rms_db; /* stated standard error */
 } forecast;
 
@@ -80,6 +81,7 @@ static asdic_status measure(cli *c, asdic_mission *mission, asdic_device *device
     asdic_status status =
         asdic_ping_create(ctx, sonar->receiver_count, asdic_simulator_bin_count(sim), &ping);
     f->first_s = cli_clock_s() - start;
+    f->lessons = asdic_mission_lessons(mission, 0, asdic_mission_ping_count(mission));
     if (!status) {
         status = shoot(progress, sim, &pose, ping, f);
     }
@@ -93,8 +95,7 @@ static asdic_status measure(cli *c, asdic_mission *mission, asdic_device *device
 
 static double mission_seconds(const forecast *f, const asdic_mission *mission) {
     size_t pings = asdic_mission_ping_count(mission);
-    double lessons = (double)asdic_mission_lessons(mission, 0, pings);
-    return f->first_s + lessons * f->learn_s + (double)pings * (f->ping_s + f->write_s);
+    return f->first_s + (double)f->lessons * f->learn_s + (double)pings * (f->ping_s + f->write_s);
 }
 
 static void print_bound(const asdic_plan_row *row, char *text, size_t size) {
@@ -151,11 +152,10 @@ static void print_text(const asdic_mission *mission, const asdic_plan *plan,
         printf("scan: %s\n", scan);
     }
     if (f->known) {
-        size_t lessons = asdic_mission_lessons(mission, 0, pings);
         printf("measured here: first ping after %.0f ms, then %.2f ms each and %.2f ms to write "
                "it, and %.1f ms to learn, %zu time%s: about %.1f s in all\n",
-               1e3 * f->first_s, 1e3 * f->ping_s, 1e3 * f->write_s, 1e3 * f->learn_s, lessons,
-               lessons == 1 ? "" : "s", mission_seconds(f, mission));
+               1e3 * f->first_s, 1e3 * f->ping_s, 1e3 * f->write_s, 1e3 * f->learn_s, f->lessons,
+               f->lessons == 1 ? "" : "s", mission_seconds(f, mission));
     }
     if (f->known && !asdic_mission_sampling((asdic_mission *)mission)->coherent) {
         char heard[64] = "no bin is above the noise";
@@ -209,8 +209,7 @@ static void print_json(const asdic_mission *mission, const asdic_plan *plan,
         json_number(&j, "ping_ms", 1e3 * f->ping_s);
         json_number(&j, "write_ms", 1e3 * f->write_s);
         json_number(&j, "learn_ms", 1e3 * f->learn_s);
-        json_integer(&j, "lessons",
-                     asdic_mission_lessons(mission, 0, asdic_mission_ping_count(mission)));
+        json_integer(&j, "lessons", f->lessons);
         json_number(&j, "mission_s", mission_seconds(f, mission));
         json_number(&j, "stderr_rms_db", f->rms_db);
         json_number(&j, "stderr_median_db", f->median_db);

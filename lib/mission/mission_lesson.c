@@ -13,23 +13,19 @@ typedef struct course {
     size_t at; /* the ping of the lesson */
 } course;
 
-static void begin_lesson(course *c, size_t ping, const asdic_pose *pose) {
-    c->at = ping;
-    c->lesson = asdic_lesson_at(c->mission->scene, &c->mission->settings.sonar, pose);
-}
-
 /* Takes the next ping; whether it begins a lesson. */
 static bool go_on(course *c, size_t ping) {
     asdic_pose pose = asdic_mission_pose(c->mission, ping, NULL);
-    bool is_due = ping % ASDIC_LEARN_BLOCK == 0 || !asdic_lesson_serves(&c->lesson, &pose);
+    bool is_due = asdic_lesson_is_due(&c->lesson, &pose, ping);
     if (is_due) {
-        begin_lesson(c, ping, &pose);
+        c->at = ping;
+        c->lesson = asdic_lesson_at(c->mission->scene, &c->mission->settings.sonar, &pose);
     }
     return is_due;
 }
 
 static course course_to(const asdic_mission *mission, size_t ping) {
-    course c = {.mission = mission};
+    course c = {.mission = mission, .lesson = asdic_lesson_none()};
     for (size_t k = ping - ping % ASDIC_LEARN_BLOCK; k <= ping; k++) {
         go_on(&c, k);
     }

@@ -20,6 +20,7 @@
  */
 #include "simulator.h"
 
+#include "aim.h"
 #include "base/context.h"
 #include "base/try.h"
 #include "pulse.h"
@@ -69,7 +70,6 @@
  * beam's width. Of a sonar of unlike beams, as of two heads, a narrow beam errs more than a broad one beside it. */
 #define ALIKE_SIDE 1.1
 #define ALIKE_PITCH 0.5
-#define NOMINAL_MPS 1500.0
 /* With fewer alike, itself included, a receiver is alone: more of its own bins share an error. */
 #define LEAST_ALIKE 5
 #define BIN_WINDOW_ALONE 4
@@ -271,7 +271,7 @@ static bool is_alone(const alike *a) {
 /* Of many receivers, those that share an error with each; how many pings that takes. */
 static uint32_t find_alike(const asdic_sonar *sonar, alike *out) {
     const asdic_beam *beams = sonar->receivers;
-    double wavelength_m = NOMINAL_MPS / sonar->frequency_hz;
+    double wavelength_m = ASDIC_NOMINAL_MPS / sonar->frequency_hz;
     uint32_t pings = PINGS;
     for (size_t b = 0; b < sonar->receiver_count; b++) {
         size_t low = b, high = b, last = sonar->receiver_count - 1;

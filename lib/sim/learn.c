@@ -270,6 +270,7 @@ static asdic_status learn_once(asdic_simulator *sim, const asdic_pose *pose, uin
 }
 
 void asdic_simulator_forget(asdic_simulator *sim) {
+    sim->learnt.lesson = asdic_lesson_none();
     sim->learnt.zone_altitude = ASDIC_ZONE_ALTITUDE;
     sim->learnt.faces.count = 0;
     sim->learnt.azimuths = false;
@@ -326,7 +327,6 @@ asdic_status asdic_simulator_learn(asdic_simulator *sim, const asdic_pose *pose,
                           "asdic_simulator_learn: NULL argument");
     }
     const asdic_sampling *sampling = &sim->setup.sampling;
-    sim->learnt.has_lesson = false;
     bool adapts = sampling->sampler == ASDIC_SAMPLER_ADAPTIVE,
          calibrates = !sampling->without_errors;
     if (sim->coherent || !(adapts || calibrates) || sampling->left_out & (1u << ASDIC_TERM_RAYS)) {
@@ -336,7 +336,6 @@ asdic_status asdic_simulator_learn(asdic_simulator *sim, const asdic_pose *pose,
     TRY(asdic_simulator_center(sim, pose->position_m));
     asdic_simulator_forget(sim);
     sim->learnt.lesson = asdic_lesson_at(sim->setup.scene, &sim->setup.sonar, pose);
-    sim->learnt.has_lesson = true;
     if (adapts) {
         TRY(learn_table(sim, pose, index));
     }
@@ -345,7 +344,5 @@ asdic_status asdic_simulator_learn(asdic_simulator *sim, const asdic_pose *pose,
 
 bool asdic_simulator_learn_is_due(const asdic_simulator *sim, const asdic_pose *pose,
                                   uint64_t index) {
-    return sim && pose &&
-           (index % ASDIC_LEARN_BLOCK == 0 ||
-            (sim->learnt.has_lesson && !asdic_lesson_serves(&sim->learnt.lesson, pose)));
+    return sim && pose && asdic_lesson_is_due(&sim->learnt.lesson, pose, index);
 }

@@ -18,7 +18,6 @@
 #define CLIMB_FEW 0.3
 /* Nearer than this a boundary is met at grazing angles alone. */
 #define NEAREST_M 1.0
-#define NOMINAL_MPS 1500.0
 /* With this cosine from the vertical, or less, a beam looks straight up or down. */
 #define UPRIGHT 0.05
 
@@ -35,7 +34,7 @@ static double height_rad(const dev_beam *beam) {
 /* The lower of what the transmitter and all receivers together reach, on a level vehicle. */
 static double sonar_height_rad(const asdic_sonar *sonar) {
     const asdic_pose level = {{0.0, 0.0, 0.0}, 0.0, 0.0, 0.0};
-    double wavelength_m = NOMINAL_MPS / sonar->frequency_hz, lowest = 1.0, highest = -1.0;
+    double wavelength_m = ASDIC_NOMINAL_MPS / sonar->frequency_hz, lowest = 1.0, highest = -1.0;
     dev_beam transmitter = asdic_aim_beam(&sonar->transmitter, &level, wavelength_m);
     double least = ASDIC_PI;
     for (size_t r = 0; r < sonar->receiver_count; r++) {
@@ -68,9 +67,17 @@ static asdic_vec3 down_of(const asdic_pose *pose) {
     return (asdic_vec3){to_world.m[2][0], to_world.m[2][1], to_world.m[2][2]};
 }
 
-bool asdic_lesson_serves(const asdic_lesson *lesson, const asdic_pose *pose) {
+asdic_lesson asdic_lesson_none(void) {
+    return (asdic_lesson){.turn_rad = INFINITY, .climb_m = INFINITY};
+}
+
+static bool serves(const asdic_lesson *lesson, const asdic_pose *pose) {
     asdic_vec3 then = down_of(&lesson->pose), now = down_of(pose);
     double turn_rad = hypot(hypot(now.x - then.x, now.y - then.y), now.z - then.z);
     return turn_rad <= lesson->turn_rad &&
            fabs(pose->position_m.z - lesson->pose.position_m.z) <= lesson->climb_m;
+}
+
+bool asdic_lesson_is_due(const asdic_lesson *lesson, const asdic_pose *pose, uint64_t index) {
+    return index % ASDIC_LEARN_BLOCK == 0 || !serves(lesson, pose);
 }

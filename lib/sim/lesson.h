@@ -4,8 +4,7 @@
 #ifndef ASDIC_SIM_LESSON_H
 #define ASDIC_SIM_LESSON_H
 
-#include <asdic/scene.h>
-#include <asdic/sonar.h>
+#include <asdic/ping.h>
 
 typedef struct asdic_lesson {
     asdic_pose pose; /* where it was learnt */
@@ -16,6 +15,10 @@ typedef struct asdic_lesson {
 asdic_lesson asdic_lesson_at(const asdic_scene *scene, const asdic_sonar *sonar,
                              const asdic_pose *pose);
 
-bool asdic_lesson_serves(const asdic_lesson *lesson, const asdic_pose *pose);
+/* Where nothing was learnt: it serves everywhere. */
+asdic_lesson asdic_lesson_none(void);
+
+/* Whether another one is due before ping INDEX at POSE: a block of pings begins with it, or LESSON serves no longer. */
+bool asdic_lesson_is_due(const asdic_lesson *lesson, const asdic_pose *pose, uint64_t index);
 
 #endif

@@ -159,8 +159,7 @@ typedef struct asdic_learnt {
     bool table_uploaded;
     bool azimuths; /* some row of the table's azimuths is not even */
     bool once;     /* something was learnt, even if it is forgotten by now */
-    bool has_lesson;
-    asdic_lesson lesson;            /* where that was */
+    asdic_lesson lesson;
     double zone_altitude;           /* height of the sampler's bottom zone over the altitude */
     asdic_faces faces;              /* that rays are aimed at */
     asdic_stated_error *stated;     /* by cell */
