@@ -23,6 +23,7 @@
 #include "aim.h"
 #include "base/context.h"
 #include "base/try.h"
+#include "drift.h"
 #include "pulse.h"
 
 #include <math.h>
@@ -53,9 +54,6 @@
 /* Where the larger of several estimates is taken, the variance comes out too large by this factor, as
  * measured over scenes of every kind. */
 #define LARGER_OF_SEVERAL 1.25
-/* What N rays bring off an object errs by no less than this over N of what random ones would: an edge that three
- * rays hit knows no lattice. */
-#define NO_LATTICE 3.0
 /* A cell of more than this relative variance holds an echo or two of a rare kind, such as mirrors give. The
  * bins within RARE_WINDOW on each side might as well have held it. */
 #define RARE 0.7
@@ -239,7 +237,7 @@ static void calibrate_bins(asdic_simulator *sim, size_t first, bool of_objects, 
         double own = OWN_ERROR * fmax(cell_variance(c, first + n), 0.0) / LARGER_OF_SEVERAL;
         double share = c->mean[first + n] > 0.0 ? c->water[first + n] / c->mean[first + n] : 0.0;
         ratio /= LARGER_OF_SEVERAL;
-        ratio = of_objects ? fmax(ratio, fmin(NO_LATTICE * block, 1.0)) : ratio;
+        ratio = of_objects ? fmax(ratio, fmin((double)ASDIC_NO_LATTICE * block, 1.0)) : ratio;
         sim->learnt.stated[first + n] = (asdic_stated_error){
             .of_groups = (float)ratio,
             .of_block = (float)(fmax(ratio * block, share * share * water) + own),
@@ -323,7 +321,8 @@ static void calibrate_bin(asdic_simulator *sim, size_t n, const calibration *c) 
         double mean = count > 0.0 ? (sums[high + 1] - sums[low]) / count : 0.0;
         double shared = count > 0.0 ? mean / fmax(1.0 - mean / c->count, LEAST_KNOWN) : 1.0;
         double own = OWN_ERROR * fmax(cell_variance(c, b * bins + n), 0.0);
-        sim->learnt.stated[b * bins + n].of_block = (float)(shared + own);
+        sim->learnt.stated[b * bins + n] =
+            (asdic_stated_error){.of_groups = count > 0.0, .of_block = (float)(shared + own)};
     }
 }
 
@@ -454,12 +453,13 @@ asdic_status asdic_simulator_calibrate(asdic_simulator *sim, const asdic_pose *p
         for (size_t n = 0; n < sim->setup.bins; n++) {
             calibrate_bin(sim, n, c);
         }
-        return ASDIC_OK;
+        return asdic_drift_learn(sim);
     }
     double objects = mean_ratio(sim, c, is_ruled_by_objects);
     double water = mean_ratio(sim, c, is_ruled_by_water);
+    sim->learnt.object_ratio = (float)objects;
     for (size_t beam = 0; beam < sim->setup.sonar.receiver_count; beam++) {
         calibrate_beam(sim, beam, objects, water, c);
     }
-    return ASDIC_OK;
+    return asdic_drift_learn(sim);
 }

@@ -274,6 +274,7 @@ void asdic_simulator_forget(asdic_simulator *sim) {
     sim->learnt.zone_altitude = ASDIC_ZONE_ALTITUDE;
     sim->learnt.faces.count = 0;
     sim->learnt.azimuths = false;
+    sim->learnt.object_ratio = 1.0f;
     for (int i = 0; i <= DEV_TABLE_CELLS; i++) {
         sim->learnt.table[i] = (float)i / DEV_TABLE_CELLS;
     }

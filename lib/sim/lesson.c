@@ -3,6 +3,8 @@
  * elevations that have few rays. Of many receivers the stated error, too, is that of where it was learnt. What a
  * pitch of 7 degrees did to a fan of 48 beams 17 degrees high: errors of 0.22 dB grew to 1.5, with 0.24 stated; 1
  * degree did nothing. Few receivers state what their own rays show: 3 beams 11 degrees high stood 4 degrees.
+ * Over terrain what is far and near changes as the vehicle goes on: 6 m above it the rays of 96 beams erred by 2.3 dB
+ * after 4 m where newly learnt ones would by 2.1, after 8 m by 3.1 and 1.9; of 8 beams by 1.4 and 1.0 after 12 m.
  */
 #include "lesson.h"
 
@@ -16,6 +18,9 @@
 #define TURN_FEW 0.25
 #define CLIMB_MANY 0.1
 #define CLIMB_FEW 0.3
+/* So many times the way to the bottom is not far to go over terrain, or past objects. */
+#define WAY_MANY 0.5
+#define WAY_FEW 1.5
 /* Nearer than this a boundary is met at grazing angles alone. */
 #define NEAREST_M 1.0
 /* With this cosine from the vertical, or less, a beam looks straight up or down. */
@@ -50,14 +55,18 @@ static double sonar_height_rad(const asdic_sonar *sonar) {
 asdic_lesson asdic_lesson_at(const asdic_scene *scene, const asdic_sonar *sonar,
                              const asdic_pose *pose) {
     bool many = asdic_beam_fan_is_wanted(sonar);
-    double boundary = asdic_scene_altitude_m(scene, pose->position_m);
-    if (asdic_scene_get_info(scene).has_surface) {
+    asdic_scene_info info = asdic_scene_get_info(scene);
+    bool is_even = info.triangles == 0;
+    double altitude_m = asdic_scene_altitude_m(scene, pose->position_m), boundary = altitude_m;
+    if (info.has_surface) {
         boundary = fmin(boundary, pose->position_m.z);
     }
     return (asdic_lesson){
         .pose = *pose,
         .turn_rad = (many ? TURN_MANY : TURN_FEW) * sonar_height_rad(sonar),
         .climb_m = (many ? CLIMB_MANY : CLIMB_FEW) * fmax(boundary, NEAREST_M),
+        .way_m = is_even ? INFINITY : (many ? WAY_MANY : WAY_FEW) * fmax(altitude_m, NEAREST_M),
+        .is_even = is_even,
     };
 }
 
@@ -68,14 +77,16 @@ static asdic_vec3 down_of(const asdic_pose *pose) {
 }
 
 asdic_lesson asdic_lesson_none(void) {
-    return (asdic_lesson){.turn_rad = INFINITY, .climb_m = INFINITY};
+    return (asdic_lesson){
+        .turn_rad = INFINITY, .climb_m = INFINITY, .way_m = INFINITY, .is_even = true};
 }
 
 static bool serves(const asdic_lesson *lesson, const asdic_pose *pose) {
     asdic_vec3 then = down_of(&lesson->pose), now = down_of(pose);
     double turn_rad = hypot(hypot(now.x - then.x, now.y - then.y), now.z - then.z);
-    return turn_rad <= lesson->turn_rad &&
-           fabs(pose->position_m.z - lesson->pose.position_m.z) <= lesson->climb_m;
+    asdic_vec3 way_m = asdic_vec3_sub(pose->position_m, lesson->pose.position_m);
+    return turn_rad <= lesson->turn_rad && fabs(way_m.z) <= lesson->climb_m &&
+           hypot(way_m.x, way_m.y) <= lesson->way_m;
 }
 
 bool asdic_lesson_is_due(const asdic_lesson *lesson, const asdic_pose *pose, uint64_t index) {

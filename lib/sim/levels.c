@@ -8,6 +8,7 @@
 #include "base/share.h"
 #include "base/try.h"
 #include "base/widest.h"
+#include "drift.h"
 #include "noise_level.h"
 #include "truth.h"
 
@@ -56,6 +57,22 @@ WIDEST static void estimate_errors(const asdic_stated_error *restrict stated,
     }
 }
 
+/* Bins that objects rule now, wherever they were when the block learnt: what the ping's groups suggest by the RATIO of
+ * all bins that objects ruled then is the least error of theirs. */
+WIDEST static void restate_objects(float ratio, const float *restrict spread,
+                                   const double *restrict object, const double *restrict multipath,
+                                   const double *restrict energy, size_t bins,
+                                   float *restrict error) {
+    for (size_t n = 0; n < bins; n++) {
+        bool is_ruled = object[n] + multipath[n] > 0.5 * energy[n];
+        float random = ASDIC_NO_LATTICE * spread[n] * spread[n];
+        float own = ratio > random ? ratio : random < 1.0f ? random : 1.0f;
+        own = is_ruled ? sqrtf(own) * spread[n] : 0.0f;
+        own = own < MOST_ERROR ? own : MOST_ERROR;
+        error[n] = error[n] > own ? error[n] : own;
+    }
+}
+
 /* ECHO and a bin's noise to the total, and the echo's relative error to its part of the total, in dB. */
 WIDEST static void end_cells(const double *restrict echo, double noise_lin,
                              const float *restrict error, double to_db, size_t bins,
@@ -78,6 +95,7 @@ typedef struct conversion {
     asdic_simulator *sim;
     const asdic_ping_shot *shot;
     asdic_ping *out;
+    asdic_drift drift;              /* since the simulator learnt */
     double unit[DEV_DEPOSIT_COUNT]; /* a quantum's energy at loss 1, by component */
     atomic_int status;              /* of beams that failed */
 } conversion;
@@ -97,13 +115,14 @@ static void end_block(const double *echo, double noise_lin, const float *error, 
 }
 
 /* Quanta to energies of one beam. */
-static void convert_beam(const conversion *k, size_t beam) {
+static void convert_beam(const conversion *k, unsigned worker, size_t beam) {
     const asdic_simulator *sim = k->sim;
     const asdic_ping_shot *shot = k->shot;
     const int64_t *quanta = (const int64_t *)shot->sums;
     const float *spread = (const float *)(quanta + sim->setup.components * sim->setup.cells + 1);
     size_t first = beam * sim->setup.bins;
     double noise_lin = noise_of(k, beam);
+    const asdic_stated_error *stated = asdic_drift_row(sim, k->drift, worker, beam, false);
     for (size_t n = 0; n < sim->setup.bins; n += BLOCK) {
         size_t count = sim->setup.bins - n < BLOCK ? sim->setup.bins - n : BLOCK, at = first + n;
         double echo[BLOCK] = {0.0};
@@ -119,7 +138,12 @@ static void convert_beam(const conversion *k, size_t beam) {
             }
         }
         if (!sim->setup.sampling.without_errors) {
-            estimate_errors(sim->learnt.stated + at, spread + at, echo, count, error);
+            estimate_errors(stated + n, spread + at, echo, count, error);
+            if (k->drift.is_any) {
+                restate_objects(sim->learnt.object_ratio, spread + at,
+                                k->out->intensity_lin[ASDIC_OBJECT] + at,
+                                k->out->intensity_lin[ASDIC_MULTIPATH] + at, echo, count, error);
+            }
         }
         end_block(echo, noise_lin, error, at, count, k->out);
     }
@@ -174,12 +198,30 @@ WIDEST static void add(const double *restrict energy, size_t bins, double *restr
     }
 }
 
+/* What COUNT cells from AT on state, those that objects rule and the OTHERS. OBJECTS: NULL, if there is no difference. */
+static const asdic_stated_error *choose_stated(const conversion *k, size_t at,
+                                               const asdic_stated_error *objects,
+                                               const asdic_stated_error *others, const double *echo,
+                                               size_t count, asdic_stated_error *chosen) {
+    const double *object = k->out->intensity_lin[ASDIC_OBJECT] + at;
+    const double *multipath = k->out->intensity_lin[ASDIC_MULTIPATH] + at;
+    for (size_t i = 0; objects && i < count; i++) {
+        bool is_ruled = object[i] + multipath[i] > 0.5 * echo[i];
+        chosen[i] = is_ruled ? objects[i] : others[i];
+    }
+    return objects ? chosen : others;
+}
+
 /* convert_beam of a fan. */
-static void convert_fan_beam(const conversion *k, size_t beam) {
+static void convert_fan_beam(const conversion *k, unsigned worker, size_t beam) {
     const asdic_simulator *sim = k->sim;
     const asdic_ping_shot *shot = k->shot;
     size_t first = beam * sim->setup.bins, bins = sim->setup.bins;
     double noise_lin = noise_of(k, beam);
+    const asdic_stated_error *others = asdic_drift_row(sim, k->drift, worker, beam, false);
+    const asdic_stated_error *objects = k->drift.objects_bins == k->drift.bins
+                                            ? NULL
+                                            : asdic_drift_row(sim, k->drift, worker, beam, true);
     if (beam % WATER_BEAMS == 0) {
         convert_fan_water(k, beam);
     }
@@ -200,7 +242,10 @@ static void convert_fan_beam(const conversion *k, size_t beam) {
         }
         if (!sim->setup.sampling.without_errors) {
             static const float none[BLOCK];
-            estimate_errors(sim->learnt.stated + at, none, echo, count, error);
+            asdic_stated_error chosen[BLOCK];
+            const asdic_stated_error *stated =
+                choose_stated(k, at, objects ? objects + n : NULL, others + n, echo, count, chosen);
+            estimate_errors(stated, none, echo, count, error);
         }
         end_block(echo, noise_lin, error, at, count, k->out);
     }
@@ -216,9 +261,9 @@ static asdic_status convert_some(const conversion *c, unsigned worker, size_t fi
     }
     for (size_t beam = first; beam < end; beam++) {
         if (sim->fan.many) {
-            convert_fan_beam(c, beam);
+            convert_fan_beam(c, worker, beam);
         } else {
-            convert_beam(c, beam);
+            convert_beam(c, worker, beam);
         }
     }
     asdic_truth_tell(sim, c->shot, worker, first, c->out);
@@ -235,7 +280,8 @@ static void convert_beams(void *user, unsigned worker, size_t first, size_t end)
 
 asdic_status asdic_simulator_convert(asdic_simulator *sim, const asdic_ping_shot *shot,
                                      double source_lin, asdic_ping *out) {
-    conversion c = {.sim = sim, .shot = shot, .out = out};
+    conversion c = {
+        .sim = sim, .shot = shot, .out = out, .drift = asdic_drift_since(sim, &shot->pose)};
     for (int k = 0; k < DEV_DEPOSIT_COUNT; k++) {
         c.unit[k] = source_lin / shot->ping->sums.scale[k];
     }

@@ -7,6 +7,7 @@
 #include "base/try.h"
 #include "base/vec.h"
 #include "coherent.h"
+#include "drift.h"
 #include "laws/tabulate.h"
 #include "layers.h"
 #include "points.h"
@@ -588,6 +589,7 @@ void asdic_simulator_destroy(asdic_simulator **pointer) {
     asdic_sight_finish(&sim->sight);
     finish_view(&(lifted_view){sim->lifted, sim->placement, sim->tracer});
     asdic_calibration_destroy(&sim->learnt.calibration);
+    asdic_drift_destroy(&sim->learnt.drift);
     asdic_store_destroy(sim);
     free(sim);
     *pointer = NULL;

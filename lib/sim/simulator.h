@@ -60,13 +60,18 @@ asdic_layout asdic_layout_default(const asdic_device_info *info);
  * OF_BLOCK comes from the calibration of the block of pings and belongs to pings with the energy MEAN_LIN;
  * a ping with less energy missed something, so that of_block counts for more. RARE is the variance,
  * relative to MEAN_LIN, of echoes that only few rays bring. With many receivers there is one group:
- * of_block is then all there is, 1 before a calibration. */
+ * of_block is then all there is, 1 before a calibration and where its pings heard nothing; of_groups is 1
+ * where they heard something, else 0. */
 #define ASDIC_OWN_PING 0.4
+/* What N rays bring off an object errs by no less than this over N of what random ones would: an edge that three
+ * rays hit knows no lattice. */
+#define ASDIC_NO_LATTICE 3.0f
 typedef struct asdic_stated_error {
     float of_groups, of_block, mean_lin, rare;
 } asdic_stated_error;
 
 typedef struct asdic_calibration asdic_calibration; /* see calibrate.c */
+typedef struct asdic_drift_store asdic_drift_store; /* see drift.c */
 
 /* One ping on its way through the simulator. */
 typedef struct asdic_ping_shot {
@@ -163,7 +168,9 @@ typedef struct asdic_learnt {
     double zone_altitude;           /* height of the sampler's bottom zone over the altitude */
     asdic_faces faces;              /* that rays are aimed at */
     asdic_stated_error *stated;     /* by cell */
+    float object_ratio;             /* of_groups of all cells that objects ruled */
     asdic_calibration *calibration; /* NULL before the first */
+    asdic_drift_store *drift;       /* NULL before the first over anything but planes */
 } asdic_learnt;
 
 /* Rays to point targets; buffers only where something can hide them. */
