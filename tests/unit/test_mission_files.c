@@ -244,6 +244,65 @@ static void casts_have_their_salinity_behind_what_precedes_it(void **state) {
     }
 }
 
+/* Where nothing says how salty the water is, a cast's speeds are those of the salinity that absorption has. */
+static void casts_take_the_salinity_of_the_water(void **state) {
+    workshop *w = *state;
+    write_file(w, "a.yaml", "frequency_khz: 30\n");
+    write_file(w, "cast.csv", "depth_m,temperature_degc\n0,10\n9,5\n");
+    write_file(w, "scene.yaml",
+               "version: 1\n" FLAT SONAR POSE "environment: {sound_speed_profile: cast.csv}\n");
+    asdic_mission *m = load_with(w, NULL, 0, NULL);
+    assert_non_null(m);
+    const asdic_environment *env = asdic_mission_environment(m);
+    assert_close(env->salinity_ppt, asdic_environment_default().salinity_ppt, 0);
+    assert_close(env->sound_speed_profile.sound_speed_mps[0], speed_of(10.0, env->salinity_ppt),
+                 1e-9);
+    asdic_mission_destroy(&m);
+}
+
+/* The first of a cast's rows may be at a limit and not beyond it, which its error tells. */
+static void casts_reach_their_limits(void **state) {
+    workshop *w = *state;
+    static const struct {
+        const char *rows, *says; /* NULL: good */
+    } casts[] = {
+        {"depth_m,sound_speed_mps\n0,1300\n11000,1700\n", NULL},
+        {"depth_m,temperature_degc,salinity_ppt\n0,-2,0\n9,40,45\n", NULL},
+        {"depth_m,sound_speed_mps\n-0.1,1500\n9,1500\n",
+         "cast.csv:2:1: error: 'depth_m' = -0.1 is out of range [0, 11000] m"},
+        {"depth_m,sound_speed_mps\n0,1500\n11000.5,1500\n",
+         "cast.csv:3:1: error: 'depth_m' = 11000.5 is out of range [0, 11000] m"},
+        {"depth_m,sound_speed_mps\n0,1299.5\n9,1500\n",
+         "cast.csv:2:1: error: 'sound_speed_mps' = 1299.5 is out of range [1300, 1700] m/s"},
+        {"depth_m,sound_speed_mps\n0,1500\n9,1700.5\n",
+         "cast.csv:3:1: error: 'sound_speed_mps' = 1700.5 is out of range [1300, 1700] m/s"},
+        {"depth_m,sound_speed_mps\n0,1500\n0,1490\n",
+         "cast.csv:3:1: error: 'depth_m' = 0 is not below the 0 m of the row before"},
+        {"depth_m,temperature_degc\n0,-2.5\n9,5\n",
+         "cast.csv:2:1: error: 'temperature_degc' = -2.5 is out of range [-2, 40] degC"},
+        {"depth_m,temperature_degc\n0,5\n9,40.5\n",
+         "cast.csv:3:1: error: 'temperature_degc' = 40.5 is out of range [-2, 40] degC"},
+        {"depth_m,temperature_degc,salinity_ppt\n0,5,-0.5\n9,5,1\n",
+         "cast.csv:2:1: error: 'salinity_ppt' = -0.5 is out of range [0, 45] ppt"},
+        {"depth_m,temperature_degc,salinity_ppt\n0,5,1\n9,5,45.5\n",
+         "cast.csv:3:1: error: 'salinity_ppt' = 45.5 is out of range [0, 45] ppt"},
+    };
+    write_file(w, "a.yaml", "frequency_khz: 30\n");
+    write_file(w, "scene.yaml",
+               "version: 1\n" FLAT SONAR POSE "environment: {sound_speed_profile: cast.csv}\n");
+    for (size_t i = 0; i < sizeof casts / sizeof *casts; i++) {
+        write_file(w, "cast.csv", casts[i].rows);
+        asdic_mission *m = load_with(w, NULL, 0, NULL);
+        if (casts[i].says) {
+            assert_null(m);
+            assert_contains(w->said, casts[i].says);
+        } else {
+            assert_non_null(m);
+        }
+        asdic_mission_destroy(&m);
+    }
+}
+
 /* A run of a trial may start below the bottom; runs of a data set need names, and in layers their places count. */
 static void loads_of_other_kinds(void **state) {
     workshop *w = *state;
@@ -681,6 +740,8 @@ int main(void) {
         cmocka_unit_test(settings_mean_the_entries_of_the_file),
         cmocka_unit_test(casts_take_the_salinity_that_is_set),
         cmocka_unit_test(casts_have_their_salinity_behind_what_precedes_it),
+        cmocka_unit_test(casts_take_the_salinity_of_the_water),
+        cmocka_unit_test(casts_reach_their_limits),
         cmocka_unit_test(loads_of_other_kinds),
         cmocka_unit_test(scenes_in_memory_are_whole),
         cmocka_unit_test(inputs_have_one_hash),
