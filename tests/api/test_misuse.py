@@ -77,9 +77,10 @@ int main(void) {
 
 # Of the functions without a status, those that ask one of these; the others are arithmetic on
 # what the caller fills in, many times a ping.
-ASKS = re.compile(r"asdic_(mission|scene|mesh|run|environment|sonar|context)_")
+ASKS = re.compile(r"asdic_((mission|scene|mesh|run|environment|sonar|context|colormap|dataset|device|law|simulator"
+                  r"|trial)_|\w+_destroy$)")
 
-TOLD = re.compile(r"asdic_(mission|scene|mesh|run)_")
+TOLD = re.compile(r"asdic_(mission|scene|mesh|run|colormap|dataset|device|law|simulator|trial)_")
 # What has no zeros to tell of nothing: its header says INFINITY or NAN.
 NO_ZEROS = {"asdic_mission_bottom_m", "asdic_mission_uncertainty", "asdic_run_get_errors",
             "asdic_scene_altitude_m"}
