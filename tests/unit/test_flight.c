@@ -165,6 +165,37 @@ static void autopilots_answer_by_their_gains(void **state) {
     aim.yaw_rad = 3.0;
     assert_close(model.derivative(&fins, &aim, &at).rudder_rad, -13.6 * ASDIC_PI / 180.0 / 0.1,
                  1e-12);
+    /* A fifth of a radian a metre of depth, half a radian at most; planes by what of it is missing. */
+    at.yaw_rad = aim.yaw_rad = 3.1;
+    aim.z_m = 5.1;
+    at.pitch_rad = 0.01;
+    assert_close(model.derivative(&fins, &aim, &at).plane_rad, 1.5 * (0.01 + 0.2 * 0.1) / 0.1,
+                 1e-12);
+    aim.z_m = 99.0;
+    at.pitch_rad = -0.45;
+    assert_close(model.derivative(&fins, &aim, &at).plane_rad, 1.5 * (0.5 - 0.45) / 0.1, 1e-12);
+    /* The nearer way round, across south. */
+    at = (flight_state){.z_m = 5, .surge_mps = 1.5, .yaw_rad = -3.1};
+    assert_close(model.derivative(&fins, &aim, &at).rudder_rad, 1.5 * (2.0 * ASDIC_PI - 6.2) / 0.1,
+                 1e-12);
+}
+
+/* By hand: a share of full rudder and of the rate in its circle, a share of the steepest dive; or the depth held. */
+static void fins_answer_a_hand(void **state) {
+    (void)state;
+    const double points_m[] = {0, 0, 5, 99, 0, 5};
+    asdic_flight fins = remus100(points_m, 2, 1.5);
+    flight_model model = asdic_flight_model_remus100();
+    const flight_state at = {
+        .z_m = 5, .surge_mps = 1.4, .pitch_rad = -0.1, .yaw_rate = 0.07, .yaw_rad = 1.0};
+    flight_aim aim = {.z_m = 5.3, .by_hand = true, .rudder = 0.25, .planes = 0.3};
+    flight_state d = model.derivative(&fins, &aim, &at);
+    assert_close(d.rudder_rad,
+                 (2.5 * (0.07 - 0.25 * 1.4 / 4.41) - 0.25 * 13.6 * ASDIC_PI / 180.0) / 0.1, 1e-12);
+    assert_close(d.plane_rad, 1.5 * (0.3 * 0.5 - 0.1) / 0.1, 1e-12);
+    aim.holds_depth = true;
+    assert_close(model.derivative(&fins, &aim, &at).plane_rad, 1.5 * (0.2 * 0.3 - 0.1) / 0.1,
+                 1e-12);
 }
 
 static void remus_balances_in_its_circle(void **state) {
@@ -251,6 +282,70 @@ static void remus_turns_as_published(void **state) {
         assert_close(d.sway_mps, right[1], 1e-12);
         assert_close(d.yaw_rate, right[2], 1e-12);
     }
+}
+
+/* Heave and pitch, and what they take from surge: typed from the same tables again. */
+static void remus_dives_as_published(void **state) {
+    (void)state;
+    const double points_m[] = {0, 0, 5, 99, 0, 5};
+    const double mass = 30.48;
+    static const double states[][5] = {
+        /* u, w, q, pitch, planes */
+        {1.5, 0, 0, 0, 0.1}, {1.5, 0.06, 0, 0, 0},           {1.5, 0, 0.2, 0, 0},
+        {1.5, 0, 0, 0.3, 0}, {1.4, -0.08, 0.12, -0.2, -0.2}, {1.1, 0.1, -0.2, 0.4, 0.05}};
+    const asdic_flight flight = remus100(points_m, 2, 1.5);
+    const flight_aim aim = {.z_m = 5};
+    flight_model model = asdic_flight_model_remus100();
+    for (size_t i = 0; i < sizeof states / sizeof *states; i++) {
+        double u = states[i][0], w = states[i][1], q = states[i][2], pitch = states[i][3];
+        double planes = states[i][4];
+        double x = -1.62 * (u * u - 1.5 * 1.5) - (35.5 + mass) * w * q - 1.93 * q * q;
+        double z = -131.0 * w * fabs(w) - 0.632 * q * fabs(q) + (mass - 5.22) * u * q -
+                   28.6 * u * w - 9.64 * u * u * planes;
+        double m = 3.18 * w * fabs(w) - 188.0 * q * fabs(q) - 2.0 * u * q + 24.0 * u * w -
+                   6.15 * u * u * planes - 0.0196 * 299.0 * sin(pitch);
+        /* (m - Z_wdot) w' - Z_qdot q' = z; -M_wdot w' + (I_yy - M_qdot) q' = m */
+        double a = mass + 35.5, b = 1.93, c = 1.93, d = 3.45 + 4.88, det = a * d - b * c;
+        const flight_state at = {.z_m = 5,
+                                 .surge_mps = u,
+                                 .heave_mps = w,
+                                 .pitch_rate = q,
+                                 .pitch_rad = pitch,
+                                 .plane_rad = planes};
+        flight_state found = model.derivative(&flight, &aim, &at);
+        assert_close(found.surge_mps, x / (mass + 0.93), 1e-12);
+        assert_close(found.heave_mps, (d * z - b * m) / det, 1e-12);
+        assert_close(found.pitch_rate, (a * m - c * z) / det, 1e-12);
+    }
+}
+
+/* Velocities and rates of the body's axes, turned by yaw and pitch into the world's, and the water's beside. */
+static void remus_moves_along_its_axes(void **state) {
+    (void)state;
+    const double points_m[] = {0, 0, 5, 99, 0, 5}, yaw = 0.7, pitch = -0.3, u = 1.4, v = 0.2;
+    const double w = -0.1;
+    asdic_flight flight = remus100(points_m, 2, 1.5);
+    set_current(&flight, 0.25, 2.0);
+    const flight_aim aim = {.z_m = 5};
+    const flight_state at = {.z_m = 5,
+                             .surge_mps = u,
+                             .sway_mps = v,
+                             .heave_mps = w,
+                             .yaw_rad = yaw,
+                             .pitch_rad = pitch,
+                             .yaw_rate = 0.11,
+                             .pitch_rate = 0.07};
+    flight_state d = asdic_flight_model_remus100().derivative(&flight, &aim, &at);
+    /* Columns of the rotation by yaw about down, then by pitch, bow up, about starboard. */
+    const double forward[] = {cos(pitch) * cos(yaw), cos(pitch) * sin(yaw), -sin(pitch)};
+    const double starboard[] = {-sin(yaw), cos(yaw), 0.0};
+    const double down[] = {sin(pitch) * cos(yaw), sin(pitch) * sin(yaw), cos(pitch)};
+    const double found[] = {d.x_m, d.y_m, d.z_m}, water[] = {0.25 * cos(2.0), 0.25 * sin(2.0), 0.0};
+    for (int i = 0; i < 3; i++) {
+        assert_close(found[i], u * forward[i] + v * starboard[i] + w * down[i] + water[i], 1e-12);
+    }
+    assert_close(d.pitch_rad, 0.07, 0.0);
+    assert_close(d.yaw_rad, 0.11 / cos(pitch), 1e-12);
 }
 
 /* The README and flight_remus.c give both radii. */
@@ -439,9 +534,12 @@ int main(void) {
         cmocka_unit_test(depth_is_reached_without_overshoot),
         cmocka_unit_test(tightest_turn_has_the_radius),
         cmocka_unit_test(autopilots_answer_by_their_gains),
+        cmocka_unit_test(fins_answer_a_hand),
         cmocka_unit_test(remus_balances_in_its_circle),
         cmocka_unit_test(sideways_drag_is_a_tenth_of_what_is_printed),
         cmocka_unit_test(remus_turns_as_published),
+        cmocka_unit_test(remus_dives_as_published),
+        cmocka_unit_test(remus_moves_along_its_axes),
         cmocka_unit_test(remus_flies_a_box),
         cmocka_unit_test(current_is_met_by_a_crab_angle),
         cmocka_unit_test(altitude_is_held_over_the_bottom),
