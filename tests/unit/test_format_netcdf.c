@@ -10,11 +10,13 @@
 
 #include <asdic/asdic.h>
 
+#include <errno.h>
 #include <math.h>
 #include <netcdf.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #define DEGREE (180.0 / ASDIC_PI)
@@ -538,6 +540,67 @@ static void the_first_failure_is_kept(void **state) {
     assert_int_equal(nc.failure, NC_ENOMEM);
 }
 
+static int close_badly(int id) {
+    nc_close(id);
+    return ENOSPC; /* as netCDF gives the system's errors on */
+}
+
+/* A file that cannot be ended leaves nothing beside what was there, and says what is wrong. */
+static void what_fails_at_its_end_leaves_nothing(void **state) {
+    (void)state;
+    char part[80], says[160];
+    snprintf(part, sizeof part, "%s.part", name);
+    for (int k = 0; k < 5; k++) {
+        asdic_nc nc;
+        assert_ok(ctx, asdic_nc_create(ctx, name, &nc));
+        assert_int_equal(access(part, F_OK), 0);
+        const char *why = strerror(ENOSPC);
+        if (k == 0) { /* a folder in its place */
+            assert_int_equal(mkdir(name, 0700), 0);
+            why = strerror(EISDIR);
+        } else if (k == 1) {
+            nc.call.close = close_badly;
+        } else if (k == 2) { /* cannot be brought to the disk */
+            assert_int_equal(unlink(part), 0);
+            why = strerror(ENOENT);
+        } else if (k == 3) {
+            asdic_nc_check(&nc, NC_ENOMEM);
+            why = nc_strerror(NC_ENOMEM);
+        } else {
+            asdic_nc_check(&nc, ENOSPC);
+        }
+        asdic_status status = asdic_nc_commit(&nc);
+        assert_int_equal(status, k == 3 ? ASDIC_ERROR_MEMORY : ASDIC_ERROR_IO);
+        snprintf(says, sizeof says, "cannot write '%s': %s", part, why);
+        assert_string_equal(asdic_context_error(ctx), says);
+        assert_int_not_equal(access(part, F_OK), 0);
+        assert_int_equal(access(name, F_OK) == 0, k == 0);
+        assert_true(k != 0 || rmdir(name) == 0);
+    }
+}
+
+/* Where no file can be made there is none to go on with. */
+static void what_cannot_begin_says_why(void **state) {
+    (void)state;
+    char part[80], says[160];
+    asdic_nc nc;
+    snprintf(part, sizeof part, "%s.part", name);
+    assert_int_equal(mkdir(part, 0700), 0);
+    assert_int_equal(asdic_nc_create(ctx, name, &nc), ASDIC_ERROR_IO);
+    snprintf(says, sizeof says, "cannot write '%s': %s", part, strerror(EISDIR));
+    assert_string_equal(asdic_context_error(ctx), says);
+    assert_false(nc.is_open);
+    assert_int_equal(rmdir(part), 0);
+    /* What a run that was killed left is replaced. */
+    FILE *left = fopen(part, "w");
+    assert_non_null(left);
+    assert_int_equal(fclose(left), 0);
+    assert_ok(ctx, asdic_nc_create(ctx, name, &nc));
+    assert_ok(ctx, asdic_nc_commit(&nc));
+    assert_int_not_equal(access(part, F_OK), 0);
+    assert_int_equal(unlink(name), 0);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(levels_lie_by_ping_beam_and_range),
@@ -549,6 +612,8 @@ int main(void) {
         cmocka_unit_test(pings_lie_in_several_chunks),
         cmocka_unit_test(what_is_discarded_leaves_nothing),
         cmocka_unit_test(the_first_failure_is_kept),
+        cmocka_unit_test(what_fails_at_its_end_leaves_nothing),
+        cmocka_unit_test(what_cannot_begin_says_why),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }
