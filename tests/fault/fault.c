@@ -11,7 +11,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-static atomic_long left; /* calls until the one that fails; 0 or less: none will */
+static atomic_long left;  /* calls until the one that fails; 0 or less: none will */
+static atomic_long alive; /* OpenCL objects made and not released */
 static fault_kind armed;
 
 void fault_arm(fault_kind kind, long nth) {
@@ -21,6 +22,10 @@ void fault_arm(fault_kind kind, long nth) {
 
 bool fault_disarm(void) {
     return atomic_exchange(&left, 0) < 0;
+}
+
+long fault_alive(void) {
+    return atomic_load(&alive);
 }
 
 /* Counts below zero once the call has come, so that it fails once. */
@@ -95,7 +100,18 @@ int __wrap_pthread_create(pthread_t *thread, const pthread_attr_t *attributes, v
             *code = CL_OUT_OF_HOST_MEMORY;                                                         \
             return NULL;                                                                           \
         }                                                                                          \
-        return __real_##name call;                                                                 \
+        result made = __real_##name call;                                                          \
+        atomic_fetch_add(&alive, made ? 1 : 0);                                                    \
+        return made;                                                                               \
+    }
+
+/* The library retains nothing: what it releases is gone. */
+#define RELEASE(name, type)                                                                        \
+    cl_int __real_##name(type object);                                                             \
+    cl_int __wrap_##name(type object);                                                             \
+    cl_int __wrap_##name(type object) {                                                            \
+        atomic_fetch_sub(&alive, 1);                                                               \
+        return __real_##name(object);                                                              \
     }
 
 typedef void(CL_CALLBACK *on_program)(cl_program, void *);
@@ -164,3 +180,9 @@ CREATION(cl_program, clCreateProgramWithSource,
          (context, n, texts, lengths, code))
 CREATION(cl_kernel, clCreateKernel, (cl_program program, const char *name, cl_int *code),
          (program, name, code))
+
+RELEASE(clReleaseContext, cl_context)
+RELEASE(clReleaseCommandQueue, cl_command_queue)
+RELEASE(clReleaseMemObject, cl_mem)
+RELEASE(clReleaseProgram, cl_program)
+RELEASE(clReleaseKernel, cl_kernel)

@@ -16,4 +16,7 @@ void fault_arm(fault_kind kind, long nth);
 /* Ends it; whether the call came at all. */
 bool fault_disarm(void);
 
+/* How many contexts, queues, buffers, programs and kernels of OpenCL there are. */
+long fault_alive(void);
+
 #endif

@@ -11,6 +11,7 @@
 
 #include "base/context.h"
 #include "laws/tabulate.h"
+#include "live/camera.h"
 #include "mission/mission.h"
 #include "mission/run/run_files.h"
 
@@ -180,6 +181,63 @@ static asdic_status first_ping(void) {
     return status;
 }
 
+/* A picture of the live view. */
+static asdic_status shoot(void) {
+    static const asdic_shot shot = {.eye_m = {-6.0, 0.0, 4.0}, .range_m = 60.0};
+    asdic_mission *mission = NULL;
+    asdic_simulator *simulator = NULL;
+    asdic_camera *camera = NULL;
+    asdic_status status = asdic_mission_load(ctx, in_folder("small.yaml"), &mission);
+    if (status == ASDIC_OK) {
+        status = asdic_simulator_create(
+            ctx, devices[0], asdic_mission_scene(mission), asdic_mission_environment(mission),
+            asdic_mission_sonar(mission), asdic_mission_sampling(mission), 5.0, &simulator);
+    }
+    status = status ? status : asdic_camera_create(ctx, devices[0], 16, 16, &camera);
+    status = status ? status : asdic_camera_shoot(camera, simulator, &shot);
+    asdic_camera_destroy(&camera);
+    asdic_simulator_destroy(&simulator);
+    asdic_mission_destroy(&mission);
+    return status;
+}
+
+/* A ping with truth to points, mirrors and a fan, one of phases, and two models. */
+static asdic_status ask_for_all(void) {
+    static const char *const facet[] = {"impedance_mrayl=8", "roughness_rms_mm=0.1",
+                                        "slope_rms=0.1",     "f_khz=100",
+                                        "c_mps=1500",        "grazing_deg=70"};
+    double value;
+    asdic_status status = asdic_model_evaluate(ctx, devices[0], "rough-facet", facet, 6, &value);
+    for (int coherent = 0; coherent < 2 && !status; coherent++) {
+        asdic_mission *mission = NULL;
+        asdic_simulator *simulator = NULL;
+        asdic_ping *ping = NULL;
+        status = asdic_mission_load(ctx, in_folder("all.yaml"), &mission);
+        if (status == ASDIC_OK) {
+            asdic_sampling sampling = *asdic_mission_sampling(mission);
+            sampling.coherent = coherent;
+            sampling.truth = !coherent;
+            status = asdic_simulator_create(
+                ctx, devices[0], asdic_mission_scene(mission), asdic_mission_environment(mission),
+                asdic_mission_sonar(mission), &sampling, 5.0, &simulator);
+        }
+        if (status == ASDIC_OK) {
+            status = asdic_ping_create(ctx, 32, asdic_simulator_bin_count(simulator), &ping);
+        }
+        if (status == ASDIC_OK && !coherent) {
+            status = asdic_ping_add_truth(ctx, ping);
+        }
+        if (status == ASDIC_OK) {
+            asdic_pose pose = asdic_mission_pose(mission, 0, NULL);
+            status = asdic_simulator_ping(simulator, &pose, 0, ping);
+        }
+        asdic_ping_destroy(&ping);
+        asdic_simulator_destroy(&simulator);
+        asdic_mission_destroy(&mission);
+    }
+    return status;
+}
+
 static asdic_status merge(void) {
     const char *parts[] = {in_folder("reference")};
     return asdic_run_merge(ctx, parts, 1, in_folder("merged"), true);
@@ -236,15 +294,19 @@ static bool is_expected(fault_kind kind, asdic_status status) {
     return status == ASDIC_ERROR_MEMORY;
 }
 
-/* RUN once for each call that it makes, every STEP-th only, which fails. AFTER, if given, must hold
- * after each failure; at most SPARED calls may be ones that it can do without. */
+/* RUN once for each call that it makes, every STEP-th only, which fails, and leaves no object of OpenCL behind. AFTER,
+ * if given, must hold after each failure; at most SPARED calls may be ones that it can do without. */
 static void fail_each(fault_kind kind, job run, long step, long spared, void (*after)(void)) {
     long failed = 0, done = 0;
     assert_ok(ctx, run());
+    const long alive = fault_alive();
     for (long n = 1;; n += step) {
         asdic_fail(ctx, ASDIC_OK, "%s", "");
         fault_arm(kind, n);
         asdic_status status = run();
+        if (fault_alive() != alive) {
+            fail_msg("call %ld: %ld OpenCL objects more than before", n, fault_alive() - alive);
+        }
         if (!fault_disarm()) {
             assert_ok(ctx, status);
             break;
@@ -304,6 +366,19 @@ static void opencl_while_running(void **state) {
 static void opencl_while_compiling(void **state) {
     (void)state;
     fail_each(FAULT_OPENCL, first_ping, device_step, 100, NULL);
+}
+
+/* What is done and what fails leaves no object of OpenCL behind. */
+static void devices_are_left_as_they_were(void **state) {
+    (void)state;
+    static const job jobs[] = {open_devices, run_small, first_ping, shoot, ask_for_all};
+    for (size_t i = 0; i < sizeof jobs / sizeof *jobs; i++) {
+        assert_ok(ctx, jobs[i]()); /* a device keeps its programs */
+        const long alive = fault_alive();
+        assert_ok(ctx, jobs[i]());
+        assert_int_equal(fault_alive(), alive);
+    }
+    fail_each(FAULT_OPENCL, shoot, 2 * device_step, 100, NULL);
 }
 
 static void threads_while_running(void **state) {
@@ -399,6 +474,15 @@ static int set_up(void **state) {
                "receivers: [{name: a}]}\n"
                "mission: {pose: {position_m: [0, 0, 5]}, pings: 2}\n"
                "sampling: {rays: 64}\noutput: {npy: true, images: [waterfall, ascope]}\n");
+    write_text(
+        "all.yaml",
+        "version: 1\nbottom: {depth_m: 12}\n"
+        "objects: [{box: {size_m: [1, 1, 1]}, position_m: [8, 0, 6], material: "
+        "{impedance_mrayl: 45, roughness_rms_mm: 0, slope_rms: 0}}, "
+        "{point: {target_strength_db: -20}, position_m: [9, 1, 5]}]\n"
+        "sonar: {frequency_khz: 100, max_range_m: 20, bin_length_m: 1, array: {elements: 8, "
+        "spacing_wl: 0.5, element: {length_v_m: 0.05}, beams: {count: 32, sector_deg: 90}}}\n"
+        "mission: {pose: {position_m: [0, 0, 5]}}\nsampling: {rays: 256}\n");
     write_text("objects.yaml",
                "version: 1\nbottom: {grid: {file: g.asc, values: depths}, type: mud}\n"
                "objects: [{sphere: {radius_m: 1}, position_m: [8, 0, 6], type: rock}, "
@@ -451,6 +535,7 @@ int main(void) {
         cmocka_unit_test(opencl_while_opening_devices),
         cmocka_unit_test(opencl_while_running),
         cmocka_unit_test(opencl_while_compiling),
+        cmocka_unit_test(devices_are_left_as_they_were),
         cmocka_unit_test(threads_while_running),
         cmocka_unit_test(memory_for_tables),
         cmocka_unit_test(memory_while_tracking),
