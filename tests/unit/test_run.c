@@ -574,6 +574,7 @@ static void room_is_for_what_is_to_come(void **state) {
     asdic_mission *m[2] = {coherent_mission(f.ctx, false), coherent_mission(f.ctx, true)};
     uint64_t needed = asdic_mission_run_bytes(m[1], 200);
     uint64_t there = needed - asdic_mission_run_bytes(m[0], 200);
+    char says[512];
     assert_true(there > needed / 2);
     asdic_run_options resume = {.count = SIZE_MAX, .resume = true, .folder = in_folder("room")};
     assert_int_equal(mkdir(resume.folder, 0777), 0);
@@ -591,14 +592,39 @@ static void room_is_for_what_is_to_come(void **state) {
         assert_string_equal(f.warnings, "");
         disk_bytes = needed - there - 1;
         assert_int_equal(asdic_run_check_room(f.ctx, m[1], &resume), ASDIC_OK);
-        assert_non_null(strstr(f.warnings, "room for"));
+        snprintf(says, sizeof says,
+                 "'%s' has room for %.3g GB, but what is still to be written takes about %.3g GB",
+                 resume.folder, (double)disk_bytes / 1e9, (double)(needed - there) / 1e9);
+        assert_non_null(strstr(f.warnings, says));
         assert_int_equal(unlink(path), 0);
     }
     resume.resume = false;
     disk_bytes = needed;
     assert_int_equal(asdic_run_check_room(f.ctx, m[1], &resume), ASDIC_OK);
-    disk_bytes = needed - 1;
-    assert_int_equal(asdic_run_check_room(f.ctx, m[1], &resume), ASDIC_ERROR_IO);
+    /* Of all pings, of some and of those that are left; what the sentence says of them. */
+    static const struct {
+        size_t first, count, pings;
+    } parts[] = {{0, SIZE_MAX, 200}, {0, 200, 200}, {150, 20, 20}, {190, 20, 10}, {199, 1, 1}};
+    for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
+        resume.first = parts[i].first;
+        resume.count = parts[i].count;
+        needed = asdic_mission_run_bytes(m[1], parts[i].pings);
+        disk_bytes = needed;
+        assert_int_equal(asdic_run_check_room(f.ctx, m[1], &resume), ASDIC_OK);
+        disk_bytes = needed - 1;
+        assert_int_equal(asdic_run_check_room(f.ctx, m[1], &resume), ASDIC_ERROR_IO);
+        snprintf(says, sizeof says,
+                 "'%s' has room for %.3g GB, but %zu pings of %.3g MB take %.3g GB; choose another",
+                 resume.folder, (double)disk_bytes / 1e9, parts[i].pings,
+                 (double)asdic_mission_ping_bytes(m[1]) / 1e6, (double)needed / 1e9);
+        assert_non_null(strstr(asdic_context_error(f.ctx), says));
+        resume.force = true;
+        assert_int_equal(asdic_run_check_room(f.ctx, m[1], &resume), ASDIC_OK);
+        resume.force = false;
+    }
+    disk_bytes = 1;
+    resume.first = 200;
+    assert_int_equal(asdic_run_check_room(f.ctx, m[1], &resume), ASDIC_OK);
     disk_bytes = 0;
     asdic_mission_destroy(&m[0]);
     asdic_mission_destroy(&m[1]);
