@@ -10,13 +10,14 @@ static double expected_db(const ping_rig *r, int beam, double range_m, double az
                           double down_rad, double strength_db) {
     double alpha = asdic_environment_absorption_db_per_km(&r->env, r->sonar.frequency_hz, 7.0);
     double c_mps = asdic_environment_sound_speed_mps(&r->env, 7.0);
-    double side_wl = 0.05 * r->sonar.frequency_hz / c_mps, gain = 1.0;
+    double per_m = r->sonar.frequency_hz / c_mps, gain = 1.0;
     for (int way = 0; way < 2; way++) {
-        double pitch = way ? r->receivers[beam].pitch_rad : r->sonar.transmitter.pitch_rad;
+        const asdic_beam *face = way ? &r->receivers[beam] : &r->sonar.transmitter;
+        double pitch = face->pitch_rad;
         double x = cos(down_rad) * cos(azimuth_rad), z = sin(down_rad);
         gain *= beam_pattern_lin(x * cos(pitch) + z * sin(pitch), cos(down_rad) * sin(azimuth_rad),
-                                 z * cos(pitch) - x * sin(pitch), side_wl, side_wl,
-                                 pow(10.0, 0.1 * r->sonar.rear_floor_db));
+                                 z * cos(pitch) - x * sin(pitch), face->length_h_m * per_m,
+                                 face->length_v_m * per_m, pow(10.0, 0.1 * r->sonar.rear_floor_db));
     }
     return r->sonar.source_level_db + strength_db + 10.0 * log10(gain) - 40.0 * log10(range_m) -
            2.0 * (range_m - 1.0) * alpha / 1000.0;
@@ -53,6 +54,9 @@ static void points_meet_the_sonar_equation(void **state) {
     ping_rig r = empty_sea();
     r.sonar.source_level_db = 200.0;
     r.sonar.rear_floor_db = -20.0;
+    r.sonar.transmitter.length_h_m = 0.013; /* as no receiver is */
+    r.sonar.transmitter.length_v_m = 0.021;
+    r.sonar.transmitter.pitch_rad = -0.07;
     for (int i = 0; i < COUNT; i++) {
         assert_ok(t.ctx,
                   asdic_scene_add_point(r.scene, "sphere",
