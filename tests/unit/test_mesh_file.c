@@ -36,13 +36,13 @@ static void stl_sizes(void **state) {
     write_stl(1, 184, 0.0f);
     mesh_rig_refuse(&rig, "m.stl: a binary STL of 1 facets has 134 bytes, this file has 184");
     write_stl(4000000000u, 184, 0.0f);
-    mesh_rig_refuse(&rig, "cut short or damaged");
+    mesh_rig_refuse(&rig, "m.stl: a binary STL of 4000000000 facets has 200000000084 bytes");
     write_stl(0, 84, 0.0f);
     mesh_rig_refuse(&rig, "m.stl: a binary STL without facets");
     write_stl(2, 50, 0.0f);
     mesh_rig_refuse(&rig, "m.stl: 50 bytes");
     write_stl(2, 0, 0.0f);
-    mesh_rig_refuse(&rig, "empty");
+    mesh_rig_refuse(&rig, "m.stl: the file is empty");
     write_stl(2, 184, NAN);
     mesh_rig_refuse(&rig, "m.stl: corner 2 of facet 1 is not finite");
     write_stl(2, 184, INFINITY);
@@ -106,7 +106,7 @@ static void obj_unsound(void **state) {
     mesh_rig_write(&rig, "m.obj", "v 0 0 0\nv 1 0 1e999\nv 0 1 0\nf 1 2 3\n");
     mesh_rig_refuse(&rig, ":2: coordinate 3");
     mesh_rig_write(&rig, "m.obj", "v 0 0 0\nv 1 0 1e60\nv 0 1 0\nf 1 2 3\n");
-    mesh_rig_refuse(&rig, "m.obj");
+    mesh_rig_refuse(&rig, "m.obj: holds 3 vertices and 1 facets, but OpenMesh reads 2 and 1");
     mesh_rig_write(&rig, "m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 \\\n2 3\n");
     mesh_rig_refuse(&rig, ":4: continued");
     mesh_rig_write(&rig, "m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 7\n");
@@ -118,13 +118,13 @@ static void obj_unsound(void **state) {
     mesh_rig_write(&rig, "m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2\n");
     mesh_rig_refuse(&rig, ":4: a facet with 2 corners");
     mesh_rig_write(&rig, "m.obj", "This is not a mesh.\nIt is text.\n");
-    mesh_rig_refuse(&rig, "0 vertices");
+    mesh_rig_refuse(&rig, "m.obj: 0 vertices");
     mesh_rig_write(&rig, "m.obj", "");
-    mesh_rig_refuse(&rig, "empty");
+    mesh_rig_refuse(&rig, "m.obj: the file is empty");
     mesh_rig_write_bytes(&rig, "m.obj", "\xff\xfev\0 \0\x31\0", 8);
-    mesh_rig_refuse(&rig, "UTF-16");
+    mesh_rig_refuse(&rig, "m.obj: binary or UTF-16");
     mesh_rig_write(&rig, "m.obj", "\xef\xbb\xbfv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
-    mesh_rig_refuse(&rig, "byte order mark");
+    mesh_rig_refuse(&rig, "m.obj:1: starts with a byte order mark");
     mesh_rig_write(&rig, "m.xyz", tetrahedron_obj);
     mesh_rig_refuse(&rig, "'.xyz' is not a mesh format");
 }
@@ -188,7 +188,9 @@ static void polygons(void **state) {
     mesh_rig_write(&rig, "m.off",
                    "OFF\n12 1 0\n0 0 0\n1 0 0\n1 4 0\n4 4 0\n4 3.2 0\n1 3.2 0\n1 2.4 0\n4 2.4 0\n"
                    "4 1.6 0\n1 1.6 0\n1 0.8 0\n4 0.8 0\n12 0 11 10 9 8 7 6 5 4 3 2 1\n");
-    mesh_rig_refuse(&rig, "crosses itself"); /* 0-11 cuts 1-10: not a comb at all */
+    mesh_rig_refuse(
+        &rig,
+        "m.off: the outline of facet 0 (12 corners) crosses"); /* 0-11 cuts 1-10: not a comb at all */
     mesh_rig_write(&rig, "m.off",
                    "OFF\n12 1 0\n0 0 0\n4 0 0\n4 0.8 0\n1 0.8 0\n1 1.6 0\n4 1.6 0\n4 2.4 0\n"
                    "1 2.4 0\n1 3.2 0\n4 3.2 0\n4 4 0\n0 4 0\n12 0 1 2 3 4 5 6 7 8 9 10 11\n");
@@ -213,7 +215,7 @@ static void polygons(void **state) {
     mesh_rig_expect(&rig, 1, 1);
     /* a bow tie */
     mesh_rig_write(&rig, "m.obj", "v 0 0 0\nv 4 4 0\nv 4 0 0\nv 0 3 0\nf 1 2 3 4\n");
-    mesh_rig_refuse(&rig, "crosses itself");
+    mesh_rig_refuse(&rig, "m.obj: the outline of facet 0 (4 corners) crosses itself");
 }
 
 static void off_variants(void **state) {
@@ -221,19 +223,19 @@ static void off_variants(void **state) {
     mesh_rig_write(&rig, "m.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
     mesh_rig_expect(&rig, 1, 0);
     mesh_rig_write(&rig, "m.off", "OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
-    mesh_rig_refuse(&rig, "ends after 1 of 2 facets");
+    mesh_rig_refuse(&rig, ":6: ends after 1 of 2 facets");
     mesh_rig_write(&rig, "m.off", "OFF\n4 1 0\n0 0 0\n1 0 0\n0 1 0\n");
-    mesh_rig_refuse(&rig, "ends after 3 of 4 vertices");
+    mesh_rig_refuse(&rig, ":5: ends after 3 of 4 vertices");
     mesh_rig_write(&rig, "m.off", "OFF\n2000000000 1 0\n0 0 0\n");
-    mesh_rig_refuse(&rig, "do not fit");
+    mesh_rig_refuse(&rig, ":2: 2000000000 vertices and 1 facets do not fit 25 bytes");
     mesh_rig_write(&rig, "m.off", "OFF\n3 1 0\n0 0 0\n1 inf 0\n0 1 0\n3 0 1 2\n");
     mesh_rig_refuse(&rig, ":4: coordinate 2 of vertex 1");
     mesh_rig_write(&rig, "m.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n");
     mesh_rig_refuse(&rig, ":6: corner 2 of facet 0");
     mesh_rig_write(&rig, "m.off", "OFF BINARY\n3 1 0\n");
-    mesh_rig_refuse(&rig, "binary OFF");
+    mesh_rig_refuse(&rig, ":1: binary OFF");
     mesh_rig_write(&rig, "m.off", "hello\n");
-    mesh_rig_refuse(&rig, "does not start with OFF");
+    mesh_rig_refuse(&rig, ":1: does not start with OFF");
     mesh_rig_write(&rig, "m.off", "OFF\n3 1 0\n0 0 0\n1 1e39 0\n0 1 0\n3 0 1 2\n");
     mesh_rig_refuse(&rig, ":4: coordinate 2 of vertex 1");
     /* Comments, one line, colours: right or refused, never silently short. */

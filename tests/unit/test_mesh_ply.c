@@ -55,7 +55,7 @@ static void ply_bodies(void **state) {
     static const struct {
         const char *text, *part;
     } cases[] = {
-        {PLY_HEAD("3", "1") "0 0 0\n1 0 0\n0 1 0\n3 0 1\n", "cut short"},
+        {PLY_HEAD("3", "1") "0 0 0\n1 0 0\n0 1 0\n3 0 1\n", ":13: face 0 of 1 is cut short"},
         {PLY_HEAD("3", "1") "0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", ":13: face 0"},
         {PLY_HEAD("3", "1") "0 0 0\n1 0 0\n0 1 0\n3 0 1 -1\n", ":13: face 0"},
         {PLY_HEAD("3", "1") "0 0 0\n1 nan 0\n0 1 0\n3 0 1 2\n", ":11: vertex 1"},
@@ -64,17 +64,17 @@ static void ply_bodies(void **state) {
         {"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
          "property float z\nproperty list uchar float more\nelement face 1\n"
          "property list uchar int vertex_indices\nend_header\n0 0 0 0\n1 0 0 0\n0 1 0 0\n3 0 1 2\n",
-         "list among a vertex's"},
+         ":7: a list among a vertex's"},
         {"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
          "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0\n1 0\n0 1\n"
          "3 0 1 2\n",
          "m.ply: vertices need x, y, z"},
-        {"ply\nformat ascii 1.0\nelement vertex 3\n", "no format or no end"},
+        {"ply\nformat ascii 1.0\nelement vertex 3\n", ":3: the header has no format or no end"},
         {"ply\ncomment\nformat ascii 1.0\nformat binary_little_endian 1.0\n",
          ":4: a second format"},
         {"ply\nformat ascii 1.0\nelement v\ve 0\n",
          ":3: a control character"}, /* it reads on forever */
-        {"solid\n", "does not start with 'ply'"},
+        {"solid\n", ":1: does not start with 'ply'"},
         {"ply\nformat ascii 1.1\n", ":2: the version"}, /* OpenMesh reads on forever */
         {"ply\nformat ascii 1.0\ncom\n", ":3: unknown line"},
         {"ply\nformat ascii 1.0\nelement face 1\nproperty list short int vertex_indices\n",
@@ -85,6 +85,12 @@ static void ply_bodies(void **state) {
         {"ply\nformat ascii 1.0\nelement vertex 3\nproperty float\n", ":4: this property has no"},
         {"ply\nformat ascii 1.0\nelement vertex 3\nproperty real x\n",
          ":4: unknown type of a property"},
+        {"ply\nformat ascii 1.0\nproperty float x\n", ":3: a property outside an element"},
+        {"ply\nformat ascii 1.0\nelement face 1\nproperty list byte int vertex_indices\n",
+         ":4: unknown type of a list's length"},
+        {"ply\nformat ascii 1.0\nelement vertex\n", ":3: this element has no count"},
+        {"ply\nformat ascii 1.0\nelement vertex -1\n", ":3: this element has no count"},
+        {"ply\nformat text 1.0\n", ":2: unknown PLY format"},
         {PLY_HEAD("3", "1") "0 0 0\n1 0x1 0\n0 1 0\n3 0 1 2\n", ":11: vertex 1"},
         {PLY_HEAD("3", "1") "0 0 0\n1 1e39 0\n0 1 0\n3 0 1 2\n", ":11: vertex 1"},
         {PLY_HEAD("3", "1") "0 0 0\n1 0 0\n0 1 0\n3.5 0 1 2 1\n", ":13: face 0"},
@@ -150,7 +156,7 @@ static void ply_properties(void **state) {
         if (count == 64) {
             mesh_rig_expect(&rig, 1, 0);
         } else {
-            mesh_rig_refuse(&rig, "more than 64 of them");
+            mesh_rig_refuse(&rig, ":68: a property outside an element, or more than 64 of them");
         }
     }
 }
