@@ -1,10 +1,11 @@
 /*
- * No two texts of a picture lie on each other, and none leaves the page. Every text of a picture
+ * No two texts of a picture lie on each other, none leaves the page, and all can be read. Every text of a picture
  * passes cairo_show_text, which this program takes the place of: it notes where the text would be.
  */
 #include "asserts.h"
 #include "test_device.h"
 
+#include "base/number.h"
 #include "lib/out/draw_chart_page.h"
 #include "lib/out/overview.h"
 
@@ -38,10 +39,22 @@ static void take_in(struct box *b, cairo_t *cr, double x, double y) {
     b->bottom = fmax(b->bottom, y);
 }
 
+/* Whole characters of UTF-8, none of which controls anything: it would be drawn as an empty box. */
+static void assert_readable(const char *text) {
+    size_t length = strlen(text), size;
+    for (size_t at = 0; at < length; at += size) {
+        size = asdic_utf8_character(text + at, length - at);
+        if (size == 0 || (unsigned char)text[at] < 0x20 || text[at] == 0x7f) {
+            fail_msg("'%s' has the byte 0x%02x", text, (unsigned char)text[at]);
+        }
+    }
+}
+
 void cairo_show_text(cairo_t *cr, const char *text) {
     cairo_text_extents_t e;
     cairo_surface_t *page = cairo_get_target(cr);
     double x, y;
+    assert_readable(text);
     cairo_get_current_point(cr, &x, &y);
     cairo_text_extents(cr, text, &e);
     assert_true(box_count < MOST_TEXTS);
