@@ -691,6 +691,77 @@ static void a_team_has_parts(void **state) {
     asdic_trial_close(&t);
 }
 
+/* The rows in the folder "kept". */
+static const char *kept_rows(void) {
+    static char text[2000];
+    char path[200];
+    snprintf(path, sizeof path, "%s/kept/trial.csv", folder);
+    FILE *file = fopen(path, "r");
+    assert_non_null(file);
+    text[fread(text, 1, sizeof text - 1, file)] = '\0';
+    assert_int_equal(fclose(file), 0);
+    return text;
+}
+
+/* A whole trial, or a part of one, is replaced by --force alone, gone on with by --resume alone, and then the same. */
+static void a_trial_is_kept_or_gone_on_with(void **state) {
+    (void)state;
+    char scene[200], kept[200], path[240], first[2000], begun[2000];
+    write_file("empty.yaml", empty, "");
+    snprintf(scene, sizeof scene, "%s/empty.yaml", folder);
+    snprintf(kept, sizeof kept, "%s/kept", folder);
+    asdic_trial_options options = asdic_trial_options_default();
+    options.scene = scene;
+    options.folder = kept;
+    options.runs = 3;
+    assert_ok(ctx, asdic_trial_fly(ctx, NULL, 0, &options));
+    snprintf(first, sizeof first, "%s", kept_rows());
+    assert_status(ctx, asdic_trial_fly(ctx, NULL, 0, &options), ASDIC_ERROR_EXISTS);
+    assert_contains(asdic_context_error(ctx), "/kept' holds a trial; --force replaces it");
+    assert_string_equal(kept_rows(), first);
+    options.resume = true;
+    assert_ok(ctx, asdic_trial_fly(ctx, NULL, 0, &options));
+    assert_string_equal(kept_rows(), first);
+    options.seed++;
+    assert_status(ctx, asdic_trial_fly(ctx, NULL, 0, &options), ASDIC_ERROR_INPUT);
+    assert_contains(asdic_context_error(ctx), "/kept holds another trial");
+    assert_string_equal(kept_rows(), first);
+    options.seed--;
+    options.resume = false;
+    options.force = true;
+    for (int k = 0; k < 2; k++) { /* another, and the first again */
+        options.runs = k ? 3 : 4;
+        assert_ok(ctx, asdic_trial_fly(ctx, NULL, 0, &options));
+        assert_int_equal(strcmp(kept_rows(), first) == 0, k);
+    }
+    options.force = false;
+    /* As if stopped after its second row. */
+    char *end_of_row = first;
+    for (int line = 0; line < 3; line++) {
+        end_of_row = strchr(end_of_row, '\n') + 1;
+    }
+    snprintf(begun, sizeof begun, "%.*s", (int)(end_of_row - first), first);
+    for (int force = 0; force < 2; force++) {
+        char json[240];
+        snprintf(path, sizeof path, "%s/trial.json", kept);
+        snprintf(json, sizeof json, "%s/trial.part.json", kept);
+        assert_int_equal(rename(path, json), 0);
+        snprintf(path, sizeof path, "%s/trial.csv", kept);
+        assert_int_equal(unlink(path), 0);
+        write_file("kept/trial.part.csv", begun, "");
+        assert_status(ctx, asdic_trial_fly(ctx, NULL, 0, &options), ASDIC_ERROR_EXISTS);
+        assert_contains(asdic_context_error(ctx), "/kept' holds a trial that was stopped; --resume "
+                                                  "goes on, --force begins anew");
+        options.force = force;
+        options.resume = !force;
+        assert_ok(ctx, asdic_trial_fly(ctx, NULL, 0, &options));
+        assert_string_equal(kept_rows(), first);
+        snprintf(path, sizeof path, "%s/trial.part.csv", kept);
+        assert_int_not_equal(access(path, F_OK), 0);
+        options.force = options.resume = false;
+    }
+}
+
 /* What process 1 sent last, once. */
 static asdic_status give_result(void *user, unsigned *from, const void **data, size_t *bytes) {
     asdic_message *told = user;
@@ -912,8 +983,8 @@ static void a_run_again_needs_all_it_asks_for(void **state) {
 
 static int end(void **state) {
     static const char *const folders[] = {
-        "joined_new", "joined_forced", "joined_resumed", "a",    "b",     "c",
-        "whole",      "team/part_1",   "team/part_0",    "team", "again", "."};
+        "joined_new", "joined_forced", "joined_resumed", "a",    "b",     "c", "whole",
+        "kept",       "team/part_1",   "team/part_0",    "team", "again", "."};
     static const char *const names[] = {"trial.json",      "trial.csv",      "trial.png",
                                         "trial.part.json", "trial.part.csv", "empty.yaml",
                                         "scene.yaml",      "track.csv"};
@@ -950,6 +1021,7 @@ int main(void) {
         cmocka_unit_test(one_that_stays_away_is_not_waited_for),
         cmocka_unit_test(another_keeps_its_trial),
         cmocka_unit_test(the_first_failure_is_told),
+        cmocka_unit_test(a_trial_is_kept_or_gone_on_with),
         cmocka_unit_test(one_device_is_one_worker),
         cmocka_unit_test(a_run_again_needs_all_it_asks_for),
     };
