@@ -293,6 +293,8 @@ static void titles_say_rays_and_time(void **state) {
     check_title(v, "  2,048 of 12,003,004 rays");
     v->options.real_time = true;
     check_title(v, "real time");
+    v->governor.stretch = 1.04;
+    check_title(v, "time stretched 1.04\u00d7");
     v->governor.stretch = 2.5;
     check_title(v, "time stretched 2.50\u00d7");
 }
