@@ -2,8 +2,12 @@
  * which term goes when. No device is needed. */
 #include "asserts.h"
 
+#include "laws/scatterer.h"
+#include "sim/environment.h"
+
 #include <asdic/asdic.h>
 
+#include <math.h>
 #include <stdlib.h>
 
 #define DEGREE (3.14159265358979323846 / 180.0)
@@ -316,6 +320,33 @@ static void boxes_add_up(void **state) {
     end(&y);
 }
 
+/* Over an object there and back, or one way and straight the other: by what it reflects, twice or once, by the way to
+ * it or to the surface, which is nearer, and by the directions that it fills. */
+static void mirrors_are_bounded_by_both_ways(void **state) {
+    (void)state;
+    static const double impedances_mrayl[] = {2.2, 45.0};
+    for (size_t i = 0; i < 2; i++) {
+        double found[2], right[2];
+        for (int k = 0; k < 2; k++) {
+            double away_m = k ? 60.0 : 20.0, radius_m = sqrt(0.75);
+            yard y = begin(false, true);
+            asdic_water_column water = asdic_water_column_at(&y.env, &y.sonar, 7.0);
+            asdic_law_water laws = asdic_water_column_laws(&water, &y.env, &y.sonar);
+            asdic_material facet = asdic_material_facet(impedances_mrayl[i], 1e-3, 0.1);
+            double share = asdic_scatterer_at(&facet, &laws).device.reflection2;
+            add_box(&y, "box", 1.0, away_m, 0.0, impedances_mrayl[i]);
+            y.sonar.source_level_db = 100.0;
+            make(&y);
+            found[k] = energy_of(ASDIC_TERM_MULTIPATH);
+            double near_m = away_m - radius_m, sine = radius_m / away_m;
+            double filled = 1.0 - sqrt(1.0 - sine * sine);
+            right[k] = filled * (share * share * 100.0 / (near_m * near_m) + 2.0 * share / 49.0);
+            end(&y);
+        }
+        assert_close_relative(found[0] / found[1], right[0] / right[1], 1e-5);
+    }
+}
+
 /* Where an object is makes no difference: ahead of a sonar elsewhere that looks elsewhere, its bound is the same but
  * for absorption. */
 static void places_make_no_difference(void **state) {
@@ -520,6 +551,7 @@ int main(void) {
         cmocka_unit_test(bounds_grow_with_the_energy),
         cmocka_unit_test(objects_are_counted),
         cmocka_unit_test(boxes_add_up),
+        cmocka_unit_test(mirrors_are_bounded_by_both_ways),
         cmocka_unit_test(places_make_no_difference),
         cmocka_unit_test(what_moves_is_kept),
         cmocka_unit_test(a_sonar_at_the_surface_hears_it_where_rays_come_back),
