@@ -424,10 +424,23 @@ static void coherent_pings_are_checked(void **state) {
     expect_edit(RECEIVERS "mission:", ARRAY "  speckle: rayleigh\n" COHERENT,
                 "6:3: error: 'speckle' has no effect on coherent pings, which have their own; "
                 "leave it out  [sonar]\n");
+    expect_edit(RECEIVERS "mission:", ARRAY "  speckle: none\n" COHERENT, "");
+    static const char *const bent[] = {"sound_speed_gradient_per_s: 0.1",
+                                       "sound_speed_gradient_per_s: -0.1",
+                                       "sound_speed_profile: [[0, 1490], [20, 1480]]"};
+    for (size_t i = 0; i < sizeof bent / sizeof *bent; i++) {
+        char edit[400];
+        snprintf(edit, sizeof edit, ARRAY "environment: {%s}\n" COHERENT, bent[i]);
+        expect_edit(RECEIVERS "mission:", edit,
+                    "7:22: error: 'coherent' = true needs one sound speed at all depths; add "
+                    "'model: {refraction: off}' or leave the profile or gradient out  "
+                    "[sampling.coherent]\n");
+        snprintf(edit, sizeof edit, ARRAY "environment: {%s}\nmodel: {refraction: off}\n" COHERENT,
+                 bent[i]);
+        expect_edit(RECEIVERS "mission:", edit, "");
+    }
     expect_edit(
-        RECEIVERS "mission:", ARRAY "environment: {sound_speed_gradient_per_s: 0.1}\n" COHERENT,
-        "7:22: error: 'coherent' = true needs one sound speed at all depths; add 'model: "
-        "{refraction: off}' or leave the profile or gradient out  [sampling.coherent]\n");
+        RECEIVERS "mission:", ARRAY "environment: {sound_speed_gradient_per_s: 0}\n" COHERENT, "");
 }
 
 static void elements_need_coherent_pings(void **state) {
@@ -442,6 +455,11 @@ static void waypoints_can_be_flown(void **state) {
     const char *pose = "  pose: {position_m: [0, 0, 7]}";
     expect_edit(pose, "  waypoints: [[0, 0, 7], [9, 0, 7]]", "");
     expect_edit(pose, "  waypoints: {points_m: [[0, 0, 7], [9, 0, 7]], speed_mps: 2}", "");
+    expect_edit(pose, "  waypoints: [[4, 5, 7], [-4, 5, 7], [-4, -5, 7], [-4, -5.002, 7]]", "");
+    expect_edit(pose, "  waypoints: [[4, 5, 7], [4, 5.0005, 7]]",
+                "8:26: error: the waypoint is at the same place as the one before, or straight "
+                "above or below it; the vehicle needs a way to fly  "
+                "[mission.waypoints.points_m[1]]\n");
     expect_edit(pose, "  waypoints: [[0, 0, 7]]",
                 "8:14: error: 'points_m' has 1 entries, which is out of range [2, 10000]  "
                 "[mission.waypoints.points_m]\n");
