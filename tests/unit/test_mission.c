@@ -312,6 +312,11 @@ static void laws_leave_open_what_their_sources_state(void **state) {
         {"{depth_m: 12}\nobjects:\n" BALL("a", "lambert_db: -20") BALL("b", "sediment: clay"), NAN,
          NAN, 5},
         {"{mesh: {file: slope.obj, z_up: false}, sediment: rock}", 10, NAN, NAN},
+        {"{depth_m: 12, sediment: rough_rock}", 10, NAN, NAN},
+        {"{depth_m: 12, sediment: cobble}", 10, NAN, NAN},
+        {"{depth_m: 12, sediment: sandy_gravel}", 5, NAN, NAN},
+        {"{depth_m: 12, sediment: sandy_gravel, volume_ratio: 0.002}", 5, NAN, NAN},
+        {"{depth_m: 12, sediment: clay, spectral_strength_cm4: 0.004}", 5, NAN, NAN},
     };
 #undef BALL
     asdic_uncertainty none = asdic_mission_uncertainty(NULL);
