@@ -353,6 +353,28 @@ def test_objects_are_moved():
                 tap.equal(abs(sonar.ranges[heard] - at).max() < 2, True, f"{place}: bins {heard}, expected {at} m")
 
 
+def test_objects_added_with_a_track():
+    """They are where their track says; a place given beside it is refused, as in a file."""
+    need_device()
+    with tempfile.TemporaryDirectory(prefix="asdic-test-") as folder:
+        path = os.path.join(folder, "way.csv")
+        with open(path, "w", encoding="utf-8") as file:
+            file.write("time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n0,10,0,5,0,0,0\n100,10,0,5,0,0,0\n")
+        wall = np.array([[0, -1, -1], [0, 1, -1], [0, 1, 1], [0, -1, 1]]), np.array([[0, 1, 2], [0, 2, 3]])
+        for add in (lambda scene, **place: scene.add("thing", point=0, track=path, **place),
+                    lambda scene, **place: scene.add_mesh(*wall, name="thing", track=path, **place)):
+            scene = pool()
+            add(scene)
+            sonar = asdic.Simulator(scene)
+            for at in (10, 20):
+                if at == 20:
+                    sonar.move("thing", 20, 0, 5)
+                energy = sonar.ping(0, 0, 5).intensity["object"][0]
+                tap.equal(abs(sonar.ranges[np.argmax(energy)] - at) < 1, True, f"{scene.objects}: heard at {at} m")
+            add(scene, position_m=(10, 0, 5))
+            raises(asdic.InputError, "'position_m' has no effect beside 'track'", asdic.Simulator, scene)
+
+
 def test_memory_used_again():
     need_device()
     sonar = asdic.Simulator(pool())

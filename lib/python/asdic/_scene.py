@@ -129,24 +129,31 @@ class Scene:
             setattr(scene, name, sections[name])
         return scene
 
-    def add(self, name: str, *, position_m: Sequence[float] = (0.0, 0.0, 0.0), material: str | Keys | None = None,
+    def add(self, name: str, *, position_m: Sequence[float] | None = None, material: str | Keys | None = None,
             **keys: Any) -> None:
-        """An object by the keys of a scene file: `add("wall", box={"size_m": [1, 20, 4]}, position_m=...)`."""
-        entry: dict[str, Any] = {"name": name, "position_m": list(position_m), **keys}
+        """An object by the keys of a scene file: `add("wall", box={"size_m": [1, 20, 4]}, position_m=...)`.
+
+        Without POSITION_M it is at (0, 0, 0), or where its track says.
+        """
+        entry: dict[str, Any] = {"name": name, **keys}
+        if position_m is not None or "track" not in keys:
+            entry["position_m"] = [0.0, 0.0, 0.0] if position_m is None else list(position_m)
         if material is not None:
             entry["material"] = _material(material)
         self.objects.append(entry)
 
     def add_mesh(self, vertices: ArrayLike, triangles: ArrayLike, material: str | Keys = "steel", *,
-                 name: str | None = None, position_m: Sequence[float] = (0.0, 0.0, 0.0),
-                 rotation_deg: Sequence[float] = (0.0, 0.0, 0.0), **keys: Any) -> str:
+                 name: str | None = None, position_m: Sequence[float] | None = None,
+                 rotation_deg: Sequence[float] | None = None, **keys: Any) -> str:
         """An object of TRIANGLES, rows of three indices into VERTICES, rows of x, y, z in metres.
 
         The arrays are copied. MATERIAL is a word ("steel", "concrete", "sand", ...) or the keys of a scene
         file's material. Returns the object's name.
         """
         name = f"object{len(self.objects)}" if name is None else name
-        self.add(name, position_m=position_m, rotation_deg=list(rotation_deg), material=material,
+        if rotation_deg is not None:
+            keys["rotation_deg"] = list(rotation_deg)
+        self.add(name, position_m=position_m, material=material,
                  mesh={"file": self._keep(vertices, triangles), "z_up": False}, **keys)
         return name
 
