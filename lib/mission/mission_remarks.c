@@ -7,6 +7,7 @@
 #include "../../kernels/formulas.h"
 #include "scene/scene.h"
 #include "sim/model_table.h"
+#include "sim/ring.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -78,6 +79,23 @@ static void remark_rays(const asdic_mission *m, asdic_remarks *out) {
 /* Bins in a cell of the range resolution: more are the same echo over and over. */
 #define MOST_BINS 10.0
 
+/* Where a transmitter sends less than this, re its axis, it was hardly meant to be heard. */
+#define LEAST_SENT 0.01
+
+/* Receivers whose axes lie where next to nothing is sent. */
+static size_t receivers_in_the_dark(const asdic_sonar *sonar, double wavelength_m) {
+    asdic_pose level = {0};
+    asdic_face transmitter = asdic_face_aim(&sonar->transmitter, &level, wavelength_m);
+    size_t count = 0;
+    for (size_t i = 0; i < sonar->receiver_count; i++) {
+        asdic_face face = asdic_face_aim(&sonar->receivers[i], &level, wavelength_m);
+        const double *row = face.world_to_face.m[0];
+        asdic_vec3 axis = {row[0], row[1], row[2]};
+        count += asdic_face_gain(&transmitter, axis, 0.0) < LEAST_SENT;
+    }
+    return count;
+}
+
 /* Adds what of SETTINGS is hardly meant, or forgotten. */
 static void remark_on_sonar(const asdic_settings *settings, double speed_mps, asdic_remarks *out) {
     const asdic_sonar *sonar = &settings->sonar;
@@ -87,6 +105,15 @@ static void remark_on_sonar(const asdic_settings *settings, double speed_mps, as
                  "sonar: the range resolution c / (2 bandwidth) of %.4g m is %.0f bins; "
                  "'bandwidth_khz' is %g kHz",
                  cell_m, cell_m / sonar->bin_length_m, 1e-3 * sonar->bandwidth_hz);
+    }
+    double wavelength_m = speed_mps / sonar->frequency_hz;
+    size_t dark = receivers_in_the_dark(sonar, wavelength_m);
+    if (out->count < ASDIC_MOST_REMARKS && 2 * dark > sonar->receiver_count) {
+        snprintf(out->text[out->count++], ASDIC_REMARK_SIZE,
+                 "sonar: %zu of %zu receivers look where 'transmitter' sends less than a hundredth "
+                 "of what it sends ahead: it is %.3g wavelengths wide and %.3g high",
+                 dark, sonar->receiver_count, sonar->transmitter.length_h_m / wavelength_m,
+                 sonar->transmitter.length_v_m / wavelength_m);
     }
     if (out->count < ASDIC_MOST_REMARKS && !settings->has_source_level) {
         snprintf(

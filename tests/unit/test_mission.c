@@ -204,6 +204,47 @@ static void source_levels_that_are_given_get_no_remark(void **state) {
     }
 }
 
+/* A transmitter that nobody gave is 5 cm wide, 10 wavelengths at 300 kHz: it sends to few beams of a
+ * wide fan. */
+static void receivers_to_which_nothing_is_sent_get_a_remark(void **state) {
+    const workshop *w = *state;
+    static const struct {
+        const char *keys, *said;
+    } cases[] = {
+        {"receivers: {fan: {count: 64, sector_deg: 90, length_h_m: 0.1, length_v_m: 0.02}}",
+         "48 of 64 receivers look where 'transmitter' sends less than a hundredth of what it sends "
+         "ahead: it is 10.1 wavelengths wide and 10.1 high"},
+        {"transmitter: {length_h_m: 0.003, length_v_m: 0.02}, "
+         "receivers: {fan: {count: 64, sector_deg: 90, length_h_m: 0.1, length_v_m: 0.02}}",
+         NULL},
+        {"receivers: {fan: {count: 64, sector_deg: 20, length_h_m: 0.1, length_v_m: 0.02}}", NULL},
+        {"transmitter: {yaw_deg: 90}, receivers: [{yaw_deg: 90}]", NULL},
+        {"transmitter: {yaw_deg: 180}, receivers: [{name: a}]", "1 of 1 receivers look where"}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[600], path[128];
+        snprintf(text, sizeof text,
+                 "version: 1\nbottom: {depth_m: 12}\nmission: {pose: {position_m: [0, 0, 5]}}\n"
+                 "sonar: {frequency_khz: 300, %s}\n",
+                 cases[i].keys);
+        write_file(w, "scene.yaml", text);
+        snprintf(path, sizeof path, "%s/scene.yaml", w->folder);
+        asdic_mission *m = NULL;
+        assert_int_equal(asdic_mission_load(w->ctx, path, &m), ASDIC_OK);
+        asdic_remarks remarks = asdic_mission_remarks(m);
+        const char *said = NULL;
+        for (size_t k = 0; k < remarks.count; k++) {
+            said = strstr(remarks.text[k], "receivers look where") ? remarks.text[k] : said;
+        }
+        if (cases[i].said) {
+            assert_non_null(said);
+            assert_contains(said, cases[i].said);
+        } else {
+            assert_null(said);
+        }
+        asdic_mission_destroy(&m);
+    }
+}
+
 /* Of many remarks on laws the first ones are kept, and all others. */
 static void remarks_are_as_many_as_there_is_room(void **state) {
     const workshop *w = *state;
@@ -717,6 +758,7 @@ int main(void) {
         cmocka_unit_test(misuse_is_answered),
         cmocka_unit_test(laws_read_their_files),
         cmocka_unit_test(source_levels_that_are_given_get_no_remark),
+        cmocka_unit_test(receivers_to_which_nothing_is_sent_get_a_remark),
         cmocka_unit_test(remarks_are_as_many_as_there_is_room),
         cmocka_unit_test(rays_that_turn_are_remarked),
         cmocka_unit_test(phase_is_needed_where_echoes_interfere),
