@@ -20,6 +20,11 @@ struct asdic_file {
     bool soon;  /* the disk is not waited for */
 };
 
+static bool is_folder(const char *path) {
+    struct stat st;
+    return stat(path, &st) == 0 && S_ISDIR(st.st_mode);
+}
+
 /* Renaming over a terminal, a pipe or /dev/full would replace it. */
 static bool is_special(const char *path) {
     struct stat st;
@@ -105,6 +110,10 @@ asdic_status asdic_file_create(asdic_context *ctx, const char *path, asdic_file 
     file->path = strdup(path);
     bool is_stdout = strcmp(path, "/dev/stdout") == 0;
     bool is_direct = is_stdout || is_special(path);
+    if (is_folder(path)) { /* to rename a file to "." would say that it is busy */
+        status = asdic_file_fail(ctx, path, EISDIR);
+        goto fail;
+    }
     if (!is_direct && asprintf(&file->part, "%s.part", path) < 0) {
         file->part = NULL;
     }

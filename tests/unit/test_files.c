@@ -223,6 +223,10 @@ static void what_the_disk_refuses_is_told(void **state) {
     assert_status(ctx, asdic_file_write_all(ctx, name, "text", 4), ASDIC_ERROR_IO);
     assert_contains(asdic_context_error(ctx), "Is a directory");
     assert_true(is_missing(part));
+    char here[80];
+    snprintf(here, sizeof here, "%s/.", name);
+    assert_status(ctx, asdic_file_create(ctx, here, &file), ASDIC_ERROR_IO);
+    assert_contains(asdic_context_error(ctx), "/a/.': Is a directory");
     assert_int_equal(rmdir(name) | mkdir(part, 0777), 0);
     assert_status(ctx, asdic_file_create(ctx, name, &file), ASDIC_ERROR_IO);
     assert_contains(asdic_context_error(ctx), "/a.part': Is a directory");
