@@ -11,6 +11,7 @@
 #include "base/context.h"
 #include "base/try.h"
 #include "base/vec.h"
+#include "base/widest.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -24,28 +25,44 @@ typedef struct known_cells {
     double variance, count;
 } known_cells;
 
+/* Of a row of bins, between margins of REACH bins: the sums over the bins before each, and the means around it. */
+typedef struct window_sums {
+    double *variance, *count; /* 3 bins + 1 */
+    float *mean;              /* bins; negative: nothing is known */
+    asdic_stated_error *rows; /* bins, twice: of objects, and of others */
+} window_sums;
+
 struct asdic_drift_store {
-    known_cells *before;      /* [beam][bin]: of the beams before */
-    known_cells *within;      /* of every thread, [bin]: of the bins before */
-    asdic_stated_error *rows; /* of every thread, of objects and others */
-    asdic_pose *poses;        /* where what moves was */
+    known_cells *before; /* [beam][bin]: of the beams before */
+    window_sums *sums;   /* of every thread */
+    size_t threads;
+    asdic_pose *poses; /* where what moves was */
 };
 
-static known_cells sum_of(known_cells a, known_cells b) {
-    return (known_cells){a.variance + b.variance, a.count + b.count};
+static bool sums_create(window_sums *sums, size_t bins) {
+    sums->variance = malloc((3 * bins + 1) * sizeof *sums->variance);
+    sums->count = malloc((3 * bins + 1) * sizeof *sums->count);
+    sums->mean = malloc(bins * sizeof *sums->mean);
+    sums->rows = malloc(2 * bins * sizeof *sums->rows);
+    return sums->variance && sums->count && sums->mean && sums->rows;
 }
 
-static known_cells between(known_cells from, known_cells to) {
-    return (known_cells){to.variance - from.variance, to.count - from.count};
+static void sums_destroy(window_sums *sums) {
+    free(sums->variance);
+    free(sums->count);
+    free(sums->mean);
+    free(sums->rows);
 }
 
 static asdic_status store_create(asdic_simulator *sim) {
-    size_t bins = sim->setup.bins, threads = sim->setup.threads;
+    size_t bins = sim->setup.bins, movables = sim->setup.scene->movable_count;
     asdic_drift_store *s = calloc(1, sizeof *s);
     bool whole = s && (s->before = calloc(sim->setup.cells + bins, sizeof *s->before)) &&
-                 (s->within = malloc(threads * (bins + 1) * sizeof *s->within)) &&
-                 (s->rows = malloc(threads * 2 * bins * sizeof *s->rows)) &&
-                 (s->poses = malloc((sim->setup.scene->movable_count + 1) * sizeof *s->poses));
+                 (s->sums = calloc(sim->setup.threads, sizeof *s->sums)) &&
+                 (s->poses = malloc((movables + 1) * sizeof *s->poses));
+    while (whole && s->threads < sim->setup.threads) {
+        whole = sums_create(&s->sums[s->threads++], bins);
+    }
     if (!whole) {
         asdic_drift_destroy(&s);
         return asdic_fail_memory(sim->ctx, "the errors that a simulator learnt");
@@ -56,9 +73,11 @@ static asdic_status store_create(asdic_simulator *sim) {
 
 void asdic_drift_destroy(asdic_drift_store **store) {
     if (*store) {
+        for (size_t k = 0; k < (*store)->threads; k++) {
+            sums_destroy(&(*store)->sums[k]);
+        }
         free((*store)->before);
-        free((*store)->within);
-        free((*store)->rows);
+        free((*store)->sums);
         free((*store)->poses);
         free(*store);
         *store = NULL;
@@ -68,6 +87,12 @@ void asdic_drift_destroy(asdic_drift_store **store) {
 /* Of a cell in which the calibration's pings heard nothing, nothing is known. */
 static bool is_known(const asdic_simulator *sim, const asdic_stated_error *stated) {
     return sim->fan.many ? stated->of_groups > 0.0f : stated->mean_lin > 0.0f;
+}
+
+static known_cells known_of(const asdic_simulator *sim, size_t cell) {
+    const asdic_stated_error *stated = &sim->learnt.stated[cell];
+    bool known = is_known(sim, stated);
+    return (known_cells){known ? (double)stated->of_block : 0.0, known};
 }
 
 asdic_status asdic_drift_learn(asdic_simulator *sim) {
@@ -82,10 +107,9 @@ asdic_status asdic_drift_learn(asdic_simulator *sim) {
         s->poses[k] = sim->placement->poses[k];
     }
     for (size_t cell = 0; cell < sim->setup.cells; cell++) {
-        const asdic_stated_error *stated = &sim->learnt.stated[cell];
-        bool known = is_known(sim, stated);
-        known_cells own = {known ? (double)stated->of_block : 0.0, known};
-        s->before[cell + sim->setup.bins] = sum_of(s->before[cell], own);
+        known_cells own = known_of(sim, cell), *before = &s->before[cell];
+        before[sim->setup.bins] =
+            (known_cells){before->variance + own.variance, before->count + own.count};
     }
     return ASDIC_OK;
 }
@@ -138,40 +162,51 @@ asdic_drift asdic_drift_since(const asdic_simulator *sim, const asdic_pose *pose
     };
 }
 
-/* What a cell states that by itself states OWN, of CELLS around it. */
-static asdic_stated_error stated_by(const asdic_simulator *sim, known_cells cells,
-                                    asdic_stated_error own) {
-    if (!(cells.count > 0.0)) {
-        return own;
+/* Sums over the bins before each of BEAM's, between margins of REACH; of the receivers within BEAMS of it. */
+static void sum_bins(const asdic_simulator *sim, size_t beam, size_t beams, size_t reach,
+                     window_sums *sums) {
+    const known_cells *before = sim->learnt.drift->before;
+    size_t bins = sim->setup.bins, receivers = sim->setup.sonar.receiver_count;
+    size_t low = beam > beams ? beam - beams : 0;
+    size_t high = beam + beams < receivers ? beam + beams + 1 : receivers;
+    known_cells sum = {0};
+    for (size_t n = 0; n <= bins + 2 * reach; n++) {
+        sums->variance[n] = sum.variance;
+        sums->count[n] = sum.count;
+        if (n >= reach && n < reach + bins) {
+            known_cells from = before[low * bins + n - reach], to = before[high * bins + n - reach];
+            sum.variance += to.variance - from.variance;
+            sum.count += to.count - from.count;
+        }
     }
-    float mean = (float)(cells.variance / cells.count);
-    bool stays = sim->fan.many && is_known(sim, &own);
-    own.of_block = stays ? fmaxf(mean, own.of_block) : mean;
-    return own;
+}
+
+/* Means over WINDOW bins. */
+WIDEST static void find_means(const double *restrict variance, const double *restrict count,
+                              size_t window, size_t bins, float *restrict mean) {
+    for (size_t n = 0; n < bins; n++) {
+        double known = count[n + window] - count[n];
+        double sum = variance[n + window] - variance[n];
+        mean[n] = known > 0.0 ? (float)(sum / known) : -1.0f;
+    }
 }
 
 const asdic_stated_error *asdic_drift_row(const asdic_simulator *sim, asdic_drift drift,
                                           unsigned worker, size_t beam, bool of_objects) {
-    const asdic_drift_store *s = sim->learnt.drift;
-    size_t bins = sim->setup.bins, beams = sim->setup.sonar.receiver_count;
+    size_t bins = sim->setup.bins, reach = of_objects ? drift.objects_bins : drift.bins;
     const asdic_stated_error *own = sim->learnt.stated + beam * bins;
-    size_t reach = of_objects ? drift.objects_bins : drift.bins;
     if (reach == 0 && drift.beams == 0) {
         return own;
     }
-    size_t low = beam > drift.beams ? beam - drift.beams : 0;
-    size_t high = beam + drift.beams < beams ? beam + drift.beams + 1 : beams;
-    known_cells *within = s->within + worker * (bins + 1);
-    within[0] = (known_cells){0};
+    window_sums *sums = &sim->learnt.drift->sums[worker];
+    asdic_stated_error *row = sums->rows + of_objects * bins;
+    sum_bins(sim, beam, drift.beams, reach, sums);
+    find_means(sums->variance, sums->count, 2 * reach + 1, bins, sums->mean);
     for (size_t n = 0; n < bins; n++) {
-        known_cells here = between(s->before[low * bins + n], s->before[high * bins + n]);
-        within[n + 1] = sum_of(within[n], here);
-    }
-    asdic_stated_error *row = s->rows + (2 * worker + of_objects) * bins;
-    for (size_t n = 0; n < bins; n++) {
-        size_t from = n > reach ? n - reach : 0;
-        size_t to = n + reach < bins ? n + reach + 1 : bins;
-        row[n] = stated_by(sim, between(within[from], within[to]), own[n]);
+        bool stays = sim->fan.many && is_known(sim, &own[n]);
+        float least = stays || sums->mean[n] < 0.0f ? own[n].of_block : 0.0f;
+        row[n] = own[n];
+        row[n].of_block = least > sums->mean[n] ? least : sums->mean[n];
     }
     return row;
 }
