@@ -118,14 +118,27 @@ static double way_between(const asdic_pose *a, const asdic_pose *b) {
     return asdic_vec3_length(asdic_vec3_sub(a->position_m, b->position_m));
 }
 
-/* Of what has moved farthest. */
-static double farthest_moved_m(const asdic_simulator *sim) {
-    double farthest = 0.0;
+/* Of POINT, seen from the vehicle. */
+static double bearing_rad(const asdic_pose *pose, const asdic_pose *point) {
+    return atan2(point->position_m.y - pose->position_m.y,
+                 point->position_m.x - pose->position_m.x) -
+           pose->yaw_rad;
+}
+
+typedef struct moved {
+    double way_m, turn_rad;
+} moved;
+
+/* How far what moves has gone at most, and turned round the vehicle. */
+static moved most_moved(const asdic_simulator *sim, const asdic_pose *pose) {
+    moved most = {0};
     for (size_t k = 0; k < sim->setup.scene->movable_count; k++) {
-        farthest =
-            fmax(farthest, way_between(&sim->placement->poses[k], &sim->learnt.drift->poses[k]));
+        const asdic_pose *then = &sim->learnt.drift->poses[k], *now = &sim->placement->poses[k];
+        double turn = bearing_rad(pose, now) - bearing_rad(&sim->learnt.lesson.pose, then);
+        most.way_m = fmax(most.way_m, way_between(now, then));
+        most.turn_rad = fmax(most.turn_rad, fabs(remainder(turn, 2.0 * ASDIC_PI)));
     }
-    return farthest;
+    return most;
 }
 
 /* Between receivers, on average. */
@@ -143,38 +156,45 @@ static size_t cells_of(double way, double cell, size_t most) {
     return cells < (double)most ? (size_t)cells : most;
 }
 
+static asdic_drift_reach reach_of(const asdic_simulator *sim, moved way) {
+    const asdic_sonar *sonar = &sim->setup.sonar;
+    double spacing = spacing_rad(sonar);
+    return (asdic_drift_reach){
+        .bins = cells_of(way.way_m, sonar->bin_length_m, sim->setup.bins),
+        .beams = spacing > 0.0 ? cells_of(way.turn_rad, spacing, sonar->receiver_count) : 0};
+}
+
 /* Of few receivers the rays that meet a moved object show its error, and the rest, which stays, errs as it did. */
 asdic_drift asdic_drift_since(const asdic_simulator *sim, const asdic_pose *pose) {
-    const asdic_sonar *sonar = &sim->setup.sonar;
     const asdic_pose *then = &sim->learnt.lesson.pose;
     if (!sim->learnt.drift || sim->learnt.lesson.is_even) {
         return (asdic_drift){0};
     }
-    double moved_m = farthest_moved_m(sim), spacing = spacing_rad(sonar);
-    double way_m = way_between(pose, then), objects_m = way_m + (sim->fan.many ? moved_m : 0.0);
-    double turn_rad = fabs(remainder(pose->yaw_rad - then->yaw_rad, 2.0 * ASDIC_PI));
+    moved objects = most_moved(sim, pose),
+          vehicle = {.way_m = way_between(pose, then),
+                     .turn_rad = fabs(remainder(pose->yaw_rad - then->yaw_rad, 2.0 * ASDIC_PI))};
+    moved both = {vehicle.way_m + objects.way_m, fmax(vehicle.turn_rad, objects.turn_rad)};
     return (asdic_drift){
-        .is_any = way_m > 0.0 || moved_m > 0.0 || turn_rad > 0.0 ||
-                  pose->roll_rad != then->roll_rad || pose->pitch_rad != then->pitch_rad,
-        .bins = cells_of(way_m, sonar->bin_length_m, sim->setup.bins),
-        .objects_bins = cells_of(objects_m, sonar->bin_length_m, sim->setup.bins),
-        .beams = spacing > 0.0 ? cells_of(turn_rad, spacing, sonar->receiver_count) : 0,
-    };
+        .is_any = both.way_m > 0.0 || both.turn_rad > 0.0 || pose->roll_rad != then->roll_rad ||
+                  pose->pitch_rad != then->pitch_rad,
+        .others = reach_of(sim, vehicle),
+        .objects = reach_of(sim, sim->fan.many && objects.way_m > 0.0 ? both : vehicle)};
 }
 
-/* Sums over the bins before each of BEAM's, between margins of REACH; of the receivers within BEAMS of it. */
-static void sum_bins(const asdic_simulator *sim, size_t beam, size_t beams, size_t reach,
+/* Sums over the bins before each of BEAM's, between margins; of the receivers within REACH of it. */
+static void sum_bins(const asdic_simulator *sim, size_t beam, asdic_drift_reach reach,
                      window_sums *sums) {
     const known_cells *before = sim->learnt.drift->before;
     size_t bins = sim->setup.bins, receivers = sim->setup.sonar.receiver_count;
-    size_t low = beam > beams ? beam - beams : 0;
-    size_t high = beam + beams < receivers ? beam + beams + 1 : receivers;
+    size_t low = beam > reach.beams ? beam - reach.beams : 0;
+    size_t high = beam + reach.beams < receivers ? beam + reach.beams + 1 : receivers;
     known_cells sum = {0};
-    for (size_t n = 0; n <= bins + 2 * reach; n++) {
+    for (size_t n = 0; n <= bins + 2 * reach.bins; n++) {
         sums->variance[n] = sum.variance;
         sums->count[n] = sum.count;
-        if (n >= reach && n < reach + bins) {
-            known_cells from = before[low * bins + n - reach], to = before[high * bins + n - reach];
+        if (n >= reach.bins && n < reach.bins + bins) {
+            known_cells from = before[low * bins + n - reach.bins],
+                        to = before[high * bins + n - reach.bins];
             sum.variance += to.variance - from.variance;
             sum.count += to.count - from.count;
         }
@@ -191,17 +211,17 @@ WIDEST static void find_means(const double *restrict variance, const double *res
     }
 }
 
-const asdic_stated_error *asdic_drift_row(const asdic_simulator *sim, asdic_drift drift,
+const asdic_stated_error *asdic_drift_row(const asdic_simulator *sim, asdic_drift_reach reach,
                                           unsigned worker, size_t beam, bool of_objects) {
-    size_t bins = sim->setup.bins, reach = of_objects ? drift.objects_bins : drift.bins;
+    size_t bins = sim->setup.bins;
     const asdic_stated_error *own = sim->learnt.stated + beam * bins;
-    if (reach == 0 && drift.beams == 0) {
+    if (reach.bins == 0 && reach.beams == 0) {
         return own;
     }
     window_sums *sums = &sim->learnt.drift->sums[worker];
     asdic_stated_error *row = sums->rows + of_objects * bins;
-    sum_bins(sim, beam, drift.beams, reach, sums);
-    find_means(sums->variance, sums->count, 2 * reach + 1, bins, sums->mean);
+    sum_bins(sim, beam, reach, sums);
+    find_means(sums->variance, sums->count, 2 * reach.bins + 1, bins, sums->mean);
     for (size_t n = 0; n < bins; n++) {
         bool stays = sim->fan.many && is_known(sim, &own[n]);
         float least = stays || sums->mean[n] < 0.0f ? own[n].of_block : 0.0f;

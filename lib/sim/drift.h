@@ -6,10 +6,14 @@
 
 #include "simulator.h"
 
+/* On each side, cells from which an echo may have come. */
+typedef struct asdic_drift_reach {
+    size_t bins, beams;
+} asdic_drift_reach;
+
 typedef struct asdic_drift {
     bool is_any; /* echoes of objects and terrain may lie elsewhere than where they were learnt */
-    size_t bins, beams;  /* and may have come from so many cells on each side */
-    size_t objects_bins; /* the same as bins, of what objects rule */
+    asdic_drift_reach others, objects; /* of what objects rule, and of what they do not */
 } asdic_drift;
 
 /* Takes down the errors that were just learnt, where they will drift: over anything but planes. */
@@ -18,9 +22,9 @@ void asdic_drift_destroy(asdic_drift_store **store);
 
 asdic_drift asdic_drift_since(const asdic_simulator *sim, const asdic_pose *pose);
 
-/* How BEAM's bins state their errors after DRIFT, those that objects rule now or the others; WORKER's until it asks for
- * the next of the same kind. */
-const asdic_stated_error *asdic_drift_row(const asdic_simulator *sim, asdic_drift drift,
+/* How BEAM's bins state their errors, with echoes from as far as REACH; WORKER's until it asks for the next of the same
+ * kind, OF_OBJECTS or not. */
+const asdic_stated_error *asdic_drift_row(const asdic_simulator *sim, asdic_drift_reach reach,
                                           unsigned worker, size_t beam, bool of_objects);
 
 #endif

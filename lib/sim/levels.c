@@ -122,7 +122,7 @@ static void convert_beam(const conversion *k, unsigned worker, size_t beam) {
     const float *spread = (const float *)(quanta + sim->setup.components * sim->setup.cells + 1);
     size_t first = beam * sim->setup.bins;
     double noise_lin = noise_of(k, beam);
-    const asdic_stated_error *stated = asdic_drift_row(sim, k->drift, worker, beam, false);
+    const asdic_stated_error *stated = asdic_drift_row(sim, k->drift.others, worker, beam, false);
     for (size_t n = 0; n < sim->setup.bins; n += BLOCK) {
         size_t count = sim->setup.bins - n < BLOCK ? sim->setup.bins - n : BLOCK, at = first + n;
         double echo[BLOCK] = {0.0};
@@ -218,10 +218,11 @@ static void convert_fan_beam(const conversion *k, unsigned worker, size_t beam) 
     const asdic_ping_shot *shot = k->shot;
     size_t first = beam * sim->setup.bins, bins = sim->setup.bins;
     double noise_lin = noise_of(k, beam);
-    const asdic_stated_error *others = asdic_drift_row(sim, k->drift, worker, beam, false);
-    const asdic_stated_error *objects = k->drift.objects_bins == k->drift.bins
-                                            ? NULL
-                                            : asdic_drift_row(sim, k->drift, worker, beam, true);
+    const asdic_stated_error *others = asdic_drift_row(sim, k->drift.others, worker, beam, false);
+    bool is_moved = k->drift.objects.bins != k->drift.others.bins ||
+                    k->drift.objects.beams != k->drift.others.beams;
+    const asdic_stated_error *objects =
+        is_moved ? asdic_drift_row(sim, k->drift.objects, worker, beam, true) : NULL;
     if (beam % WATER_BEAMS == 0) {
         convert_fan_water(k, beam);
     }
