@@ -26,7 +26,8 @@
 /* In K speckle likelihood ratios are tabled by strength re the background: from, in steps of, how many. */
 #define FIRST_DB (-12.0)
 #define STEP_DB 4.0
-#define STRENGTHS ASDIC_LLRS_MOST
+#define STRENGTHS 16
+#define AT_ONCE ASDIC_LLRS_MOST /* of them in a row, when one is asked for */
 /* Echoes as strong re the background are explained elsewhere, so many at one range. */
 #define STRONG_LIN 30.0
 #define MOST_ECHOES 8
@@ -52,7 +53,7 @@ typedef struct reader {
     double rear_lin;   /* one-way gain behind a face */
     double snr_lin;    /* of the weakest object looked for */
     double *extra_lin; /* by beam: explained echoes, at the range in work */
-    double *table;     /* by beam: ln of ratios at that range, STRENGTHS each; K speckle only */
+    double *table;     /* by beam: STRENGTHS ln of ratios at that range, or NAN; K speckle only */
     bool *is_frozen;   /* headings near an echo that is explained elsewhere */
 } reader;
 
@@ -248,25 +249,34 @@ static bool is_known(const reader *r, size_t beam, size_t bin) {
     return mean > 0.0 && isfinite(mean);
 }
 
-/* K speckle only: tables ln of the ratios of BEAM at BIN over its background and what was
- * explained, which has no texture. */
-static void fill_table(reader *r, size_t beam, size_t bin) {
+/* K speckle only: forgets the ratios of all strengths of BEAM. */
+static void empty_table(reader *r, size_t beam) {
+    for (size_t q = 0; q < STRENGTHS; q++) {
+        r->table[beam * STRENGTHS + q] = NAN;
+    }
+}
+
+/* K speckle only: ln of the ratio of BEAM at BIN for strength Q over its background and what was
+ * explained, which has no texture. Most strengths are never asked for. */
+static double tabled(const reader *r, size_t beam, size_t bin, size_t q) {
     const asdic_look *look = r->look;
-    size_t cell = beam * look->bins + bin;
-    if (r->law.shape > ASDIC_SHAPE_MAX) {
-        return;
+    size_t cell = beam * look->bins + bin, first = q - q % AT_ONCE;
+    double *table = r->table + beam * STRENGTHS;
+    if (!isnan(table[q])) {
+        return table[q];
     }
     double mean = look->background_lin[cell], extra = r->extra_lin[beam];
     double noise = look->noise_lin ? look->noise_lin[cell] : 0.0;
     asdic_background law = r->law;
     law.mean_lin = mean + extra;
     law.noise_share = fmin(fmax((noise + extra) / law.mean_lin, 0.0), 1.0);
-    double target_lin[STRENGTHS];
-    for (int q = 0; q < STRENGTHS; q++) {
-        target_lin[q] = mean * pow(10.0, 0.1 * (FIRST_DB + STEP_DB * q));
+    double target_lin[AT_ONCE];
+    for (int i = 0; i < AT_ONCE; i++) {
+        target_lin[i] = mean * pow(10.0, 0.1 * (FIRST_DB + STEP_DB * (double)(first + i)));
     }
-    asdic_detect_llrs(&law, ASDIC_TARGET_SWERLING2, target_lin, STRENGTHS,
-                      look->intensity_lin[cell], r->table + beam * STRENGTHS);
+    asdic_detect_llrs(&law, ASDIC_TARGET_SWERLING2, target_lin, AT_ONCE, look->intensity_lin[cell],
+                      table + first);
+    return table[q];
 }
 
 /* ln of the ratio of BEAM at BIN for an echo of ECHO_LIN: that of asdic_detect_llr for independent
@@ -279,13 +289,13 @@ static double ratio_of(const reader *r, size_t beam, size_t bin, double echo_lin
         double x = r->look->intensity_lin[cell] / rest;
         return (double)r->law.looks * (x * snr / (1.0 + snr) - log(1.0 + snr));
     }
-    const double *t = r->table + beam * STRENGTHS;
     double at = fmin((10.0 * log10(echo_lin / mean) - FIRST_DB) / STEP_DB, STRENGTHS - 1.000001);
     if (at < 0.0) { /* in proportion to the echo */
-        return t[0] * pow(10.0, 0.1 * STEP_DB * at);
+        return tabled(r, beam, bin, 0) * pow(10.0, 0.1 * STEP_DB * at);
     }
     size_t q = (size_t)at;
-    return t[q] + (at - (double)q) * (t[q + 1] - t[q]);
+    double low = tabled(r, beam, bin, q);
+    return low + (at - (double)q) * (tabled(r, beam, bin, q + 1) - low);
 }
 
 /* The same of all beams of H, for an object that the best of them would hear with STRENGTH_LIN on its
@@ -348,9 +358,7 @@ static void explain(reader *r, size_t best, size_t bin) {
     for (size_t b = 0; b < r->look->sonar->receiver_count; b++) {
         double echo = strength * two_way(r, b, towards) / r->ears[g->beam].axis_lin;
         r->extra_lin[b] += (1.0 + 1.0 / sqrt((double)r->law.looks)) * echo; /* itself a sample */
-        if (is_known(r, b, bin)) {
-            fill_table(r, b, bin);
-        }
+        empty_table(r, b);
     }
     for (size_t i = 0; i < f->arcs * f->azimuths; i++) {
         const asdic_heading *o = &f->headings[i];
@@ -371,9 +379,7 @@ static void read_bin(reader *r, size_t bin) {
     }
     for (size_t b = 0; b < r->look->sonar->receiver_count; b++) {
         r->extra_lin[b] = 0.0;
-        if (is_known(r, b, bin)) {
-            fill_table(r, b, bin);
-        }
+        empty_table(r, b);
     }
     for (int round = 0; round <= MOST_ECHOES; round++) {
         size_t best = SIZE_MAX;

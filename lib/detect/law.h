@@ -20,7 +20,7 @@ asdic_background asdic_background_blurred(asdic_background background, double st
 
 /* asdic_detect_llr of COUNT targets at once, at most ASDIC_LLRS_MOST, into LLR: in K speckle their textures are gone
  * through once. NAN for all where one is out of range. */
-#define ASDIC_LLRS_MOST 16
+#define ASDIC_LLRS_MOST 4
 void asdic_detect_llrs(const asdic_background *background, asdic_target target,
                        const double *target_lin, size_t count, double intensity_lin, double *llr);
 
