@@ -1040,6 +1040,9 @@ def test_scenes_and_options_that_cannot_be():
         shutil.rmtree(folder / "bad")
         refuse(ideal + "  draws: [{key: 'objects[4].position_m', choice: [[1, 2, 3]]}]\n", 3,
                "there is no '[4]' here")
+        refuse(ideal + "  draws: [{key: 'mission.waypoints.current_mps[1]', uniform: [0, 1]}]\n", 3,
+               "there is no 'current_mps[1]' here  [trial.draws[0].key]\n"
+               f"error: {folder / 'bad.yaml'}: 1 error, as drawn")
         refuse(ideal.replace("hold_s: 1000", "hits: 3, of: 2"), 3, "'hits' = 3 is more than 'of' = 2")
         refuse(ideal, 2, "is not KEY=VALUE", "--vary", "nonsense")
         for run in ("3:1", "99999999999999999999", " -1", "-1", "1:-0", "1:", ":0", "1:0:0"):

@@ -64,14 +64,16 @@ char *asdic_text_to_utf8(const char *bytes, size_t size, size_t *length) {
 
 /* --- settings in place of what the text says -------------------------------------------------- */
 
-/* The child called KEY of MAP, made when there is none. */
-static asdic_yaml_node *child_of(asdic_yaml_node *map, const char *key, size_t length,
-                                 asdic_arena *arena) {
-    for (asdic_yaml_node *child = map->first; child; child = child->next) {
-        if (child->key_length == length && memcmp(child->key, key, length) == 0) {
-            return child;
-        }
+static asdic_yaml_node *child_of(const asdic_yaml_node *map, const char *key, size_t length) {
+    asdic_yaml_node *child = map->first;
+    while (child && (child->key_length != length || memcmp(child->key, key, length) != 0)) {
+        child = child->next;
     }
+    return child;
+}
+
+static asdic_yaml_node *make_child(asdic_yaml_node *map, const char *key, size_t length,
+                                   asdic_arena *arena) {
     asdic_yaml_node *child = asdic_arena_alloc(arena, sizeof *child);
     if (child) {
         child->kind = ASDIC_YAML_MAP;
@@ -92,7 +94,7 @@ static asdic_yaml_node *item_of(asdic_yaml_node *list, size_t index) {
     return item;
 }
 
-/* One step of PATH from NODE; *AT moves behind it. NULL after a problem, or without memory. */
+/* One step of PATH from NODE; *AT moves behind it, maps that are not there are made. NULL after a problem, or without memory. */
 static asdic_yaml_node *step(asdic_yaml_node *node, const char *path, const char **at,
                              asdic_yaml_node *blame, asdic_arena *arena, asdic_problems *problems) {
     if (**at == '[') {
@@ -117,7 +119,14 @@ static asdic_yaml_node *step(asdic_yaml_node *node, const char *path, const char
                            path, (int)length, *at);
         return NULL;
     }
-    asdic_yaml_node *child = child_of(node, *at, length, arena);
+    asdic_yaml_node *child = child_of(node, *at, length);
+    if (!child && (*at)[length] == '[') { /* a list that is made here would be told to be none */
+        asdic_yaml_problem(problems, blame ? blame : node,
+                           "cannot set '%s': there is no '%.*s' here", path,
+                           (int)(length + strcspn(*at + length, "].") + 1), *at);
+        return NULL;
+    }
+    child = child ? child : make_child(node, *at, length, arena);
     problems->out_of_memory |= !child;
     *at += length;
     return child;
