@@ -252,28 +252,50 @@ const asdic_track_state *asdic_tracker_get(const asdic_tracker *tracker, size_t 
 #define LEAST_WEIGHT(of) ((of) > 10 ? 1e-3 : 1e-6)
 #define MOST_HITS 1000.0
 #define ROUNDS 12
-#define SLICES 8
+/* Gates that are remembered from round to round: more than a track of five pings can have. */
+#define MOST_GATES 64
 
 /* The clutter, and the fate of a track that begins with it. */
 typedef struct clutter {
     const asdic_tracker_options *options;
-    double step_s, plots_per_m2, width_m, tracks_per_m2;
+    double step_s, plots_per_m, tracks_per_m; /* of each line */
+    const double *east_m;                     /* of the lines, ascending */
+    size_t lines, gates;
+    struct {
+        double across_m, chords;
+    } gate[MOST_GATES];
     asdic_plot_point plot;
     double confirmed, hits, pings; /* means: probability, further plots it takes, pings it lives */
 } clutter;
 
-/* What a gate covers on the mean of a strip of clutter in which its middle is anywhere: slices
- * across the strip, of 2 g, less what reaches beyond, g^2 / width, at most the width. */
-static double covered_m2(const clutter *c, const asdic_kalman *filter) {
-    double gate = c->options->gate, area = 0.0;
+/* How many whole chords of a gate that reaches so far across the lines make, on the mean of gates
+ * whose middle is on one of them. Rounds ask for the same ones again. */
+static double chords_of(clutter *c, double across_m) {
+    double others = 0.0;
+    for (size_t i = 0; i < c->gates; i++) {
+        if (c->gate[i].across_m == across_m) {
+            return c->gate[i].chords;
+        }
+    }
+    for (size_t i = 0; i < c->lines; i++) {
+        for (size_t k = i + 1; k < c->lines && c->east_m[k] - c->east_m[i] < across_m; k++) {
+            double off = (c->east_m[k] - c->east_m[i]) / across_m;
+            others += 2.0 * sqrt(1.0 - off * off); /* of each from the other */
+        }
+    }
+    double chords = 1.0 + others / (double)c->lines;
+    if (c->gates < MOST_GATES) {
+        c->gate[c->gates].across_m = across_m;
+        c->gate[c->gates++].chords = chords;
+    }
+    return chords;
+}
+
+static double covered_m(clutter *c, const asdic_kalman *filter) {
+    double gate = c->options->gate;
     double along = sqrt(gate * (filter->covariance[0][0] + c->plot.variance_nn_m2));
     double across = sqrt(gate * (filter->covariance[2][2] + c->plot.variance_ee_m2));
-    for (int i = 0; i < SLICES; i++) {
-        double t = (2.0 * i + 1.0) / SLICES - 1.0, g = across * sqrt(1.0 - t * t);
-        double wide = g < c->width_m ? 2.0 * g - g * g / c->width_m : c->width_m;
-        area += 2.0 * along / SLICES * wide;
-    }
-    return area;
+    return 2.0 * along * chords_of(c, across);
 }
 
 /* A track that has come so far with probability WEIGHT: the next ping, with and without a plot
@@ -283,9 +305,9 @@ static void follow(clutter *c, track tr, double weight) {
     asdic_kalman_predict(&tr.filter, c->step_s, o->acceleration);
     tr.history <<= 1;
     tr.missed++;
-    double area = covered_m2(c, &tr.filter);
-    double rivals = fmax(c->tracks_per_m2 * area, 1e-9);
-    double p = -expm1(c->plots_per_m2 * area * expm1(-rivals) / rivals);
+    double covered = covered_m(c, &tr.filter);
+    double rivals = fmax(c->tracks_per_m * covered, 1e-9);
+    double p = -expm1(c->plots_per_m * covered * expm1(-rivals) / rivals);
     c->pings += weight;
     for (int is_hit = 0; is_hit < 2; is_hit++) {
         track next = tr;
@@ -310,12 +332,13 @@ static void follow(clutter *c, track tr, double weight) {
 }
 
 double asdic_tracker_false_share(const asdic_tracker_options *options, double step_s,
-                                 const asdic_plot_point *plot, double plots_per_m2,
-                                 double width_m) {
+                                 const asdic_plot_point *plot, double plots_per_m,
+                                 const double *east_m, size_t lines) {
     clutter c = {.options = options,
                  .step_s = step_s,
-                 .plots_per_m2 = plots_per_m2,
-                 .width_m = width_m,
+                 .plots_per_m = plots_per_m,
+                 .east_m = east_m,
+                 .lines = lines,
                  .plot = *plot};
     for (int i = 0; i < ROUNDS; i++) {
         track tr = {.state = {.hits = 1},
@@ -327,7 +350,7 @@ double asdic_tracker_false_share(const asdic_tracker_options *options, double st
             return 1.0;
         }
         follow(&c, tr, 1.0);
-        c.tracks_per_m2 += 0.5 * (plots_per_m2 / (1.0 + c.hits) * c.pings - c.tracks_per_m2);
+        c.tracks_per_m += 0.5 * (plots_per_m / (1.0 + c.hits) * c.pings - c.tracks_per_m);
     }
     return c.confirmed / (1.0 + c.hits);
 }

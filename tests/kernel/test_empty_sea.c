@@ -241,16 +241,21 @@ static double expected_tracks(const sea *s, const asdic_detect_job *job, int pin
                               double plots, size_t bins_heard) {
     asdic_tracker_options options = asdic_tracker_options_default();
     double sum = 0.0, per_bin = plots / (double)bins_heard;
+    size_t beams = s->rig.sonar.receiver_count;
+    double *east_m = calloc(beams, sizeof *east_m);
     for (size_t n = s->bins - bins_heard; n < s->bins; n++) {
         double range_m = ((double)n + 0.5) * s->rig.sonar.bin_length_m, along, across;
         asdic_detect_spread(job, asdic_beam_width_rad(&s->rig.sonar, 0, s->speed_mps), range_m,
                             &along, &across);
         asdic_plot_point plot = {.variance_nn_m2 = along * along,
                                  .variance_ee_m2 = across * across};
-        double width_m = range_m * SECTOR_RAD;
-        double density = per_bin / (width_m * s->rig.sonar.bin_length_m);
-        sum += per_bin * asdic_tracker_false_share(&options, ping_s, &plot, density, width_m);
+        for (size_t b = 0; b < beams; b++) {
+            east_m[b] = range_m * SECTOR_RAD / (double)beams * (double)b;
+        }
+        double per_m = per_bin / s->rig.sonar.bin_length_m / (double)beams;
+        sum += per_bin * asdic_tracker_false_share(&options, ping_s, &plot, per_m, east_m, beams);
     }
+    free(east_m);
     return sum * (pings - 3);
 }
 

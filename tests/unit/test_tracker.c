@@ -259,7 +259,11 @@ static void clutter_confirms_tracks_as_said(void **state) {
         double low, high; /* allowed of what is said */
     } cases[] = {
         {0.02, 100.0, 400, 0.8, 1.2}, {0.1, 60.0, 400, 0.75, 1.2}, {0.5, 40.0, 200, 0.5, 1.2}};
-    enum { SIDE_M = 20 };
+    enum { SIDE_M = 20, LINES = 100 };
+    double east_m[LINES];
+    for (int i = 0; i < LINES; i++) {
+        east_m[i] = SIDE_M * (i + 0.5) / LINES;
+    }
     for (size_t n = 0; n < sizeof cases / sizeof *cases; n++) {
         asdic_tracker *tracker = NULL;
         asdic_tracker_options options = asdic_tracker_options_default();
@@ -291,8 +295,9 @@ static void clutter_confirms_tracks_as_said(void **state) {
                 seen[tracks[i].id] |= tracks[i].confirmed;
             }
         }
-        double said = asdic_tracker_false_share(&options, cases[n].step_s, &plots[0],
-                                                cases[n].per_ping / (SIDE_M * SIDE_M), SIDE_M);
+        double said =
+            asdic_tracker_false_share(&options, cases[n].step_s, &plots[0],
+                                      cases[n].per_ping / (SIDE_M * LINES), east_m, LINES);
         print_message("%g plots a ping, %g s apart: %.0f confirmed of %.0f, %.1f were said\n",
                       cases[n].per_ping, cases[n].step_s, confirmed, total, said * total);
         double spread = 2.6 * sqrt(said * total);
@@ -303,9 +308,9 @@ static void clutter_confirms_tracks_as_said(void **state) {
     }
     asdic_tracker_options at_once = asdic_tracker_options_default();
     asdic_plot_point plot = {.variance_nn_m2 = 1.0, .variance_ee_m2 = 1.0};
-    assert_close(asdic_tracker_false_share(&at_once, 1.0, &plot, 0.0, INFINITY), 0.0, 0.0);
+    assert_close(asdic_tracker_false_share(&at_once, 1.0, &plot, 0.0, east_m, 1), 0.0, 0.0);
     at_once.confirm = 1;
-    assert_close(asdic_tracker_false_share(&at_once, 1.0, &plot, 1.0, INFINITY), 1.0, 0.0);
+    assert_close(asdic_tracker_false_share(&at_once, 1.0, &plot, 1.0, east_m, 1), 1.0, 0.0);
 }
 
 int main(void) {

@@ -160,16 +160,17 @@ ASDIC_API void asdic_tracker_destroy(asdic_tracker **tracker);
 ASDIC_API asdic_status asdic_tracker_update(asdic_tracker *tracker, double time_s,
                                             const asdic_plot_point *plots, size_t count);
 
-/* How many tracks clutter confirms, per plot of it. Plots fall anywhere in a strip to the north
- * that is WIDTH_M wide (INFINITY: in the plane), PLOTS_PER_M2 of them a ping, with the
- * covariance of PLOT, which is along and across the strip, STEP_S seconds from ping to ping. A
- * plot that no track takes founds one, and every way in which that can go on is followed: the
- * next ping has a plot in its gate with probability 1 - exp(-density x area of the gate), less
- * what other tracks take. Right to a third: seen from a vehicle at rest, plots fall in the same
- * bins again and make a few more. */
+/* How many tracks clutter confirms, per plot of it. Plots fall anywhere on LINES lines to the
+ * north, which are at EAST_M, ascending, PLOTS_PER_M of them a ping on each, with the covariance of
+ * PLOT, which is along and across them, STEP_S seconds from ping to ping. A plot that no track
+ * takes founds one, and every way in which that can go on is followed: the next ping has a plot in
+ * its gate with probability 1 - exp(-density x length of lines in the gate), less what other tracks
+ * take. Seen from a vehicle at rest, plots fall in the same bins again and make a few more:
+ * by a third, near a wide fan of many beams up to twice as many. Beams of unlike pitch: up to 2.6
+ * times as many. */
 ASDIC_API double asdic_tracker_false_share(const asdic_tracker_options *options, double step_s,
-                                           const asdic_plot_point *plot, double plots_per_m2,
-                                           double width_m);
+                                           const asdic_plot_point *plot, double plots_per_m,
+                                           const double *east_m, size_t lines);
 
 /* Tracks alive, valid until the next update. */
 ASDIC_API const asdic_track_state *asdic_tracker_get(const asdic_tracker *tracker, size_t *count);

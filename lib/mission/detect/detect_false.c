@@ -1,6 +1,6 @@
 /*
  * The number of false tracks to expect: from false alarms of the designed probability, as many to a
- * plot as were found, with plots anywhere in range and bearing, by the tracker's rule.
+ * plot as were found, with plots anywhere in range on the beams' axes, by the tracker's rule.
  */
 #include "detect_job.h"
 
@@ -38,12 +38,14 @@ static size_t widest_gap(const double *bearing, size_t beams) {
 }
 
 /* Where the plots of all beams are that are not too steep. */
-typedef struct strip {
+typedef struct axes {
     size_t beams;
     double width_rad;     /* of a beam, on average */
-    double spread_rad;    /* bearings of the axes; of gaps two widths at most */
+    double *bearing_rad;  /* ascending, twice round the circle */
+    size_t first;         /* of these, behind the widest gap */
+    double *east_m;       /* room for as many beams */
     double near_m, far_m; /* in the plane */
-} strip;
+} axes;
 
 /* Where false plots of BEAM lie in the plane; false where that is one spot, which is one track at most. */
 static bool find_reach(const asdic_detect_job *job, const asdic_pose *pose, size_t beam,
@@ -56,13 +58,14 @@ static bool find_reach(const asdic_detect_job *job, const asdic_pose *pose, size
     return level > LEAST_COS;
 }
 
-static asdic_status find_strip(const asdic_detect_job *job, const asdic_pose *pose, strip *out) {
+static asdic_status find_axes(const asdic_detect_job *job, const asdic_pose *pose, axes *out) {
     size_t beams = job->info.beams;
-    double *bearing = malloc(beams * sizeof *bearing), near_m, far_m, width = 0.0;
-    *out = (strip){.near_m = INFINITY};
+    double *bearing = malloc(3 * beams * sizeof *bearing), near_m, far_m, width = 0.0;
+    *out = (axes){.bearing_rad = bearing, .near_m = INFINITY};
     if (!bearing) {
         return asdic_fail_memory(job->ctx, "bearings");
     }
+    out->east_m = bearing + 2 * beams;
     for (size_t b = 0; b < beams; b++) {
         asdic_vec3 axis = asdic_beam_axis(&job->info.sonar->receivers[b], pose);
         if (find_reach(job, pose, b, &near_m, &far_m)) {
@@ -74,13 +77,10 @@ static asdic_status find_strip(const asdic_detect_job *job, const asdic_pose *po
     }
     qsort(bearing, out->beams, sizeof *bearing, by_size);
     out->width_rad = width / fmax((double)out->beams, 1.0);
-    size_t first = widest_gap(bearing, out->beams); /* wherever that is by the compass */
-    for (size_t b = 1; b < out->beams; b++) {
-        double gap = gap_before(bearing, out->beams, (first + b) % out->beams);
-        out->spread_rad += fmin(gap, 2.0 * out->width_rad);
+    for (size_t b = 0; b < out->beams; b++) { /* once more round the circle */
+        bearing[out->beams + b] = bearing[b] + 2.0 * ASDIC_PI;
     }
-    out->spread_rad = fmax(out->spread_rad, 1e-6);
-    free(bearing);
+    out->first = widest_gap(bearing, out->beams); /* wherever that is by the compass */
     return ASDIC_OK;
 }
 
@@ -96,27 +96,30 @@ static double plots_per_m(const asdic_detect_job *job, const asdic_pose *pose, d
 }
 
 /* Tracks that PLOTS false plots a ping, anywhere in range and in any beam, confirm in a ping. */
-static double confirmed(const asdic_detect_job *job, const asdic_pose *pose, const strip *s,
+static double confirmed(const asdic_detect_job *job, const asdic_pose *pose, const axes *a,
                         double step_s, double plots) {
-    double factor = pow(s->far_m / s->near_m, 1.0 / RANGES);
-    double near_m = s->near_m, sum = 0.0, along, across;
-    for (int k = 0; k < RANGES && s->beams > 0; k++, near_m *= factor) {
-        double plane_m = near_m * sqrt(factor), width_m = s->spread_rad * plane_m;
+    double factor = pow(a->far_m / a->near_m, 1.0 / RANGES);
+    double near_m = a->near_m, sum = 0.0, along, across;
+    for (int k = 0; k < RANGES && a->beams > 0; k++, near_m *= factor) {
+        double plane_m = near_m * sqrt(factor);
         double per_m = plots_per_m(job, pose, plots / (double)job->info.beams, plane_m);
-        asdic_detect_spread(job, s->width_rad, plane_m, &along, &across);
+        asdic_detect_spread(job, a->width_rad, plane_m, &along, &across);
         asdic_plot_point plot = {.variance_nn_m2 = along * along,
                                  .variance_ee_m2 = across * across};
+        for (size_t b = 0; b < a->beams; b++) {
+            a->east_m[b] = plane_m * a->bearing_rad[a->first + b];
+        }
         sum += per_m * near_m * (factor - 1.0) *
-               asdic_tracker_false_share(&job->options->tracker, step_s, &plot, per_m / width_m,
-                                         width_m);
+               asdic_tracker_false_share(&job->options->tracker, step_s, &plot,
+                                         per_m / (double)a->beams, a->east_m, a->beams);
     }
     return sum;
 }
 
 /* Whether a scanned head turns by more than a beam in the pings by which a track is judged. */
-static bool turns_away(const asdic_detect_job *job, const strip *s) {
+static bool turns_away(const asdic_detect_job *job, const axes *a) {
     double steps = (double)job->options->tracker.of - 1.0;
-    return steps * job->run->settings.sweep.step_rad > s->width_rad;
+    return steps * job->run->settings.sweep.step_rad > a->width_rad;
 }
 
 asdic_status asdic_detect_expect_tracks(asdic_detect_job *job) {
@@ -127,19 +130,17 @@ asdic_status asdic_detect_expect_tracks(asdic_detect_job *job) {
     TRY(asdic_run_read(job->run, r->pings - 1, &record));
     double end_s = record.time_s;
     TRY(asdic_run_read(job->run, 0, &record));
-    strip plane;
-    TRY(find_strip(job, &record.pose, &plane));
-    if (turns_away(job, &plane) || asdic_detect_is_unknown(job) ||
+    axes a;
+    TRY(find_axes(job, &record.pose, &a));
+    if (turns_away(job, &a) || asdic_detect_is_unknown(job) ||
         r->is_coherent) { /* whose speckle stays in its place */
         r->tracks_by_chance = NAN;
-        return ASDIC_OK;
+    } else if (r->is_sample && lasting > 0.0) {
+        double per_alarm = job->false_bins > 0.0 ? job->false_plots / job->false_bins : 1.0;
+        r->tracks_by_chance =
+            lasting * confirmed(job, &record.pose, &a, (end_s - record.time_s) / (pings - 1.0),
+                                none->expected / pings * per_alarm);
     }
-    if (!r->is_sample || lasting <= 0.0) {
-        return ASDIC_OK;
-    }
-    double per_alarm = job->false_bins > 0.0 ? job->false_plots / job->false_bins : 1.0;
-    r->tracks_by_chance =
-        lasting * confirmed(job, &record.pose, &plane, (end_s - record.time_s) / (pings - 1.0),
-                            none->expected / pings * per_alarm);
+    free(a.bearing_rad);
     return ASDIC_OK;
 }
