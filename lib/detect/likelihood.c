@@ -152,11 +152,11 @@ static void add_textures(const asdic_background *b, asdic_target target, double 
 }
 
 /* The trapezoidal rule errs by the integrand's Fourier transform at 2 pi / step: of a normal peak
- * 2 exp(-2 pi^2 / STEP^2) = 8e-14, of the e^(-m v - x e^-v) that x gives
- * 2 |gamma(m + 2 pi i / step)| / gamma(m): at most 3e-7, for four looks, and likewise of shape. STEP is in standard deviations of the narrowest peak.
- * Where textured clutter is the share u of what is heard, a peak at e^v bends by
- * m u^2 + shape (1 + 2 u (e^v - 1)), with e^v at most what it is for u = 1 or 1: no noise and no target make it bend most, but for a steady target, which takes
- * its part of X or leaves textures to make up for it. As u (1 - u) is at most 1 / 4, noise keeps e^v below
+ * 2 exp(-2 pi^2 / STEP^2) = 8e-14, of the e^(-m v - x e^-v) that x gives 2 |gamma(m + 2 pi i / step)| / gamma(m): at
+ * most 3e-7, for four looks, and likewise of shape. STEP is in standard deviations of the narrowest peak. Where
+ * textured clutter is the share u of what is heard, a peak at e^v bends by m u^2 + shape (1 + 2 u (e^v - 1)), with
+ * e^v at most what it is for u = 1, or 1: no noise and no target make it bend most, but for a steady target, which
+ * takes its part of X or leaves textures to make up for it. As u (1 - u) is at most 1 / 4, noise keeps e^v below
  * 1 + x / (4 shape noise). */
 static double texture_step(const asdic_background *b, asdic_target target, double x,
                            const double *snr, size_t count) {
