@@ -95,7 +95,8 @@ static void calibrate(size_t beams, uint32_t expected, size_t together) {
     sim->fan.many = beams >= 16;
     sim->shots = shots;
     sim->learnt.stated = stated;
-    for (int turn = 0; turn < 2; turn++) { /* the second time in the memory of the first */
+    sim->learnt.lesson = asdic_lesson_none(); /* nothing drifts */
+    for (int turn = 0; turn < 2; turn++) {    /* the second time in the memory of the first */
         memset(stated, 0, sizeof stated);
         aimed = simulated = 0;
         pings = expected;
