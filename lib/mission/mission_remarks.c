@@ -4,6 +4,8 @@
  */
 #include "mission.h"
 
+#include <asdic/scan.h>
+
 #include "../../kernels/formulas.h"
 #include "scene/scene.h"
 #include "sim/model_table.h"
@@ -88,9 +90,7 @@ static size_t receivers_in_the_dark(const asdic_sonar *sonar, double wavelength_
     asdic_face transmitter = asdic_face_aim(&sonar->transmitter, &level, wavelength_m);
     size_t count = 0;
     for (size_t i = 0; i < sonar->receiver_count; i++) {
-        asdic_face face = asdic_face_aim(&sonar->receivers[i], &level, wavelength_m);
-        const double *row = face.world_to_face.m[0];
-        asdic_vec3 axis = {row[0], row[1], row[2]};
+        asdic_vec3 axis = asdic_beam_axis(&sonar->receivers[i], &level);
         count += asdic_face_gain(&transmitter, axis, 0.0) < LEAST_SENT;
     }
     return count;
