@@ -251,7 +251,7 @@ static bool is_known(const reader *r, size_t beam, size_t bin) {
 
 /* K speckle only: forgets the ratios of all strengths of BEAM. */
 static void empty_table(reader *r, size_t beam) {
-    for (size_t q = 0; q < STRENGTHS; q++) {
+    for (size_t q = 0; r->law.shape <= ASDIC_SHAPE_MAX && q < STRENGTHS; q++) {
         r->table[beam * STRENGTHS + q] = NAN;
     }
 }
