@@ -57,6 +57,11 @@ WIDEST static void estimate_errors(const asdic_stated_error *restrict stated,
     }
 }
 
+/* Whether what came off objects is more than half of a bin's ECHO. */
+static inline bool objects_rule(double object, double multipath, double echo) {
+    return object + multipath > 0.5 * echo;
+}
+
 /* Bins that objects rule now, wherever they were when the block learnt: what the ping's groups suggest by the RATIO of
  * all bins that objects ruled then is the least error of theirs. */
 WIDEST static void restate_objects(float ratio, const float *restrict spread,
@@ -64,7 +69,7 @@ WIDEST static void restate_objects(float ratio, const float *restrict spread,
                                    const double *restrict energy, size_t bins,
                                    float *restrict error) {
     for (size_t n = 0; n < bins; n++) {
-        bool is_ruled = object[n] + multipath[n] > 0.5 * energy[n];
+        bool is_ruled = objects_rule(object[n], multipath[n], energy[n]);
         float random = ASDIC_NO_LATTICE * spread[n] * spread[n];
         float own = ratio > random ? ratio : random < 1.0f ? random : 1.0f;
         own = is_ruled ? sqrtf(own) * spread[n] : 0.0f;
@@ -198,7 +203,8 @@ WIDEST static void add(const double *restrict energy, size_t bins, double *restr
     }
 }
 
-/* What COUNT cells from AT on state, those that objects rule and the OTHERS. OBJECTS: NULL, if there is no difference. */
+/* What COUNT cells from AT on state, those that objects rule and the OTHERS. OBJECTS: NULL, if there is no
+ * difference. */
 static const asdic_stated_error *choose_stated(const conversion *k, size_t at,
                                                const asdic_stated_error *objects,
                                                const asdic_stated_error *others, const double *echo,
@@ -206,8 +212,7 @@ static const asdic_stated_error *choose_stated(const conversion *k, size_t at,
     const double *object = k->out->intensity_lin[ASDIC_OBJECT] + at;
     const double *multipath = k->out->intensity_lin[ASDIC_MULTIPATH] + at;
     for (size_t i = 0; objects && i < count; i++) {
-        bool is_ruled = object[i] + multipath[i] > 0.5 * echo[i];
-        chosen[i] = is_ruled ? objects[i] : others[i];
+        chosen[i] = objects_rule(object[i], multipath[i], echo[i]) ? objects[i] : others[i];
     }
     return objects ? chosen : others;
 }
