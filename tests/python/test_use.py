@@ -335,13 +335,19 @@ def test_arrays_are_views_that_keep_their_owner():
     tap.equal((os.path.exists(folder), float(np.nanmax(levels)) > 0), (False, True), "temporary; the array stays")
 
 
+def stay(folder):
+    """The file of a track that stays 10 m north of the origin."""
+    path = os.path.join(folder, "track.csv")
+    with open(path, "w", encoding="utf-8") as file:
+        file.write("time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n0,10,0,5,0,0,0\n100,10,0,5,0,0,0\n")
+    return path
+
+
 def test_objects_are_moved():
     """A point goes where it is put and stays there, on a track or not: it is heard at that range alone."""
     need_device()
     with tempfile.TemporaryDirectory(prefix="asdic-test-") as folder:
-        path = os.path.join(folder, "fish.csv")
-        with open(path, "w", encoding="utf-8") as file:
-            file.write("time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n0,10,0,5,0,0,0\n100,10,0,5,0,0,0\n")
+        path = stay(folder)
         for place in ({"track": path}, {"position_m": [10, 0, 5]}):
             scene = pool()
             scene.objects = [{"name": "fish", "point": 0, **place}]
@@ -357,9 +363,7 @@ def test_objects_added_with_a_track():
     """They are where their track says; a place given beside it is refused, as in a file."""
     need_device()
     with tempfile.TemporaryDirectory(prefix="asdic-test-") as folder:
-        path = os.path.join(folder, "way.csv")
-        with open(path, "w", encoding="utf-8") as file:
-            file.write("time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n0,10,0,5,0,0,0\n100,10,0,5,0,0,0\n")
+        path = stay(folder)
         wall = np.array([[0, -1, -1], [0, 1, -1], [0, 1, 1], [0, -1, 1]]), np.array([[0, 1, 2], [0, 2, 3]])
         for add in (lambda scene, **place: scene.add("thing", point=0, track=path, **place),
                     lambda scene, **place: scene.add_mesh(*wall, name="thing", track=path, **place)):
