@@ -94,7 +94,8 @@ static asdic_yaml_node *item_of(asdic_yaml_node *list, size_t index) {
     return item;
 }
 
-/* One step of PATH from NODE; *AT moves behind it, maps that are not there are made. NULL after a problem, or without memory. */
+/* One step of PATH from NODE; *AT moves behind it, maps that are not there are made. NULL after a problem, or without
+ * memory. */
 static asdic_yaml_node *step(asdic_yaml_node *node, const char *path, const char **at,
                              asdic_yaml_node *blame, asdic_arena *arena, asdic_problems *problems) {
     if (**at == '[') {
