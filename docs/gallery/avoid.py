@@ -15,12 +15,12 @@ scene = asdic.Scene(
            "bin_length_m": 0.25, "transmitter": {"length_h_m": 0.003, "length_v_m": 0.05},
            "receivers": {"fan": {"count": 31, "sector_deg": 120, "length_h_m": 0.1, "length_v_m": 0.05}}},
     mission={"pose": {"position_m": [0, 0, 8]}})
+quiet = asdic.expect(scene).level_db
 for x, y in piles:
     scene.add(f"pile{x}", cylinder={"radius_m": 1, "length_m": 20}, position_m=(x, y, 10), rotation_deg=(90, 0, 0),
               material="concrete")
 
 sonar = asdic.Simulator(scene, rays=int(rays))
-quiet = asdic.expect(scene).level_db  # without piles
 bearings, track = np.radians(sonar.bearings), []
 x, y, yaw, speed, step = 0.0, 0.0, 0.0, 2.0, 0.4
 while x < 110 and len(track) < 250:
