@@ -186,6 +186,25 @@ def test_a_run_keeps_the_form_and_the_points():
         check(a == b, "straight rays at the sonar's speed")
 
 
+def test_a_run_and_its_parts_keep_the_layer_that_was_planned():
+    """A profile with a kink too small to matter; what joins the parts reads the layer from their folders."""
+    need_device()
+    with Folder() as folder:
+        water = "{sound_speed_profile: [[0, 1490], [7, 1484], [14, 1478.01]]}"
+        path = folder.write("scene.yaml", SCENE.format(water=water).replace("7]}}", "7]}, pings: 2}")
+                            + "sampling: {rays: 500}\n")
+        told = json.loads(asdic("plan", path, "--no-forecast", "--json").check(code=0).out)["refraction"]
+        tap.equal(told["needed"], "layer")
+        for name, options in ("whole", []), ("one", ["--shard", "1/2"]), ("two", ["--shard", "2/2"]):
+            asdic("run", "-q", path, "-o", folder / name, *options).check(code=0)
+            kept = facts(folder, name)
+            tap.equal((kept["refraction"], kept["layer_m"]), ("layer", {"from": 7, "to": 12}), name)
+        asdic("merge", folder / "one", folder / "two", "-o", folder / "joined").check(code=0)
+        kept = facts(folder, "joined")
+        tap.equal((kept["refraction"], kept["layer_m"]), ("layer", {"from": 7, "to": 12}), "joined")
+        check(data(folder, "whole", "bins.csv") == data(folder, "joined", "bins.csv"), "the whole run and its parts")
+
+
 def test_the_plan_bounds_what_simpler_forms_leave_out():
     """Nine profiles, sixty in the full tier, a track that dives: at places that the plan does not look at the change is within its bound."""
     draw = random.Random(20)

@@ -148,6 +148,18 @@ def test_mesh_is_described():
                   ("mesh", 4, 0, [1, 1, 2]))
 
 
+def test_meshes_in_other_units_are_hinted_at():
+    """The tetrahedron is two units high."""
+    for scale, hint in ((0.249, "0.498 m across: not metres? (set a scale)"), (0.25, None), (10000, None),
+                        (10001, "2e+04 m across: millimetres? (scale 0.001)")):
+        mesh = re.sub(r"^v (\S+) (\S+) (\S+)", lambda m: "v " + " ".join(repr(scale * float(x)) for x in m.groups()),
+                      TETRAHEDRON, flags=re.M)
+        with folder(m_obj=mesh) as at:
+            out = asdic("check", "m.obj", cwd=at).check(0).out
+            tap.equal([line for line in out.splitlines() if "hint" in line], [f"  hint      {hint}"] if hint else [],
+                      f"{scale}")
+
+
 def test_grid_is_described():
     """As its file says: x to the east from the lower left corner, y to the north, a value amid each cell."""
     rows = (" ".join(["12"] * 5) + "\n") * 10 + "20 20 20 20 20\n"
@@ -346,6 +358,12 @@ def test_tracks_give_the_pings():
         tap.contains(asdic("check", "d.yaml", cwd=at).err,
                      "d.yaml:8:10: error: ping 44 at 104.4 s: the sonar is at z = 12.04 m, below "
                      "the bottom at 12 m; raise it or lower the bottom  [mission.track]\n")
+        for end, code, said in ((100000099.9, 0, "  pings       1000000000 in "), (100000100, 3, (
+                "s.yaml:8:10: error: 'track' covers 1000000001 pings, at most 1e9 are possible; give 'pings'"))):
+            with open(os.path.join(at, "t.csv"), "w", encoding="ascii") as file:
+                file.write(track.format(6).replace("\n105", f"\n{end!r}"))
+            done = asdic("check", "s.yaml", cwd=at).check(code)
+            tap.contains(done.err if code else done.out, said)
         bad = asdic("check", "b.yaml", cwd=at)
         tap.equal(bad.code, 3)
         tap.contains(bad.err, "bad.csv:1:1: error: missing column 'y_m'")

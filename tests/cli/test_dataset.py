@@ -423,6 +423,8 @@ def test_what_cannot_be_is_said_once():
               "2"), 2, "--threshold")
         says(asdic("dataset", path, "-n", "2", "--shard", "1/3", "-o", folder / "h"), 2,
              "--shard 1/3 is empty: frames to share: 2")
+        says(asdic("dataset", path, "-n", "2", "-o", folder / "d", "--force", "--resume"), 2,
+             "--force starts afresh and --resume goes on; give one of them")
         says(asdic("dataset", folder / "none.yaml", "-o", folder / "d"), 3, "none.yaml")
         says(asdic("dataset", "-", "-n", "2", "-o", folder / "d", stdin=folder.read("set.yaml")), 2,
              "the scene is read for every frame; it must be a file")

@@ -70,6 +70,8 @@ def test_bands_are_those_of_the_laws_error():
         for end, shift_db in ("low", -5), ("high", 5):
             exact = pd ** ((1 + snr) / (1 + snr * 10 ** (0.1 * shift_db)))
             tap.equal(abs(seen["model_pd"][end] - exact) < 1e-5, True, f"{seen}: {end} in closed form {exact}")
+        done = asdic("detect", "out", "--force", "--cell", "5", cwd=folder.path).check(0)
+        tap.contains(done.out, sight_row(seen, "forward") + "\n")
 
 
 def test_text_says_what_json_says():

@@ -148,10 +148,20 @@ def test_errors_say_what_to_do():
              ("rough_rock|rock|cobble",)),
             (("pfa", "model=gauss"), ("exponential|k|swerling0",)),
             (("pfa", "model=k", "threshold=1", "mu0=1"), ("needs a shape",)),
+            (("pfa", "model=k", "threshold=1", "mu0=1", "looks=2.5", "shape=2"), ("'looks' = 2.5 is not a whole number",)),
             (("target-strength", "shape=plate", "width_m=1"), ("'height_m' is missing",))):
         done = asdic("model", *args).check(code=2, out="")
         for part in parts:
             tap.contains(done.err, part)
+
+
+def test_bodies_of_few_wavelengths_are_remarked():
+    """2 pi a / wavelength = 10 at 15.9155 kHz and 1500 m/s, a = 0.15 m; a plate is judged by no radius."""
+    small = "warning: target-strength: ka = 9.9; geometric optics is within 0.5 dB above 10 only\n"
+    for shape, f_khz, said in (("shape=sphere radius_m=0.15", 15.75634, small), ("shape=sphere radius_m=0.15", 15.92, ""),
+                               ("shape=plate width_m=0.1 height_m=0.1", 10, "")):
+        done = asdic("model", "target-strength", *shape.split(), f"f_khz={f_khz}", "c_mps=1500").check(code=0)
+        tap.equal(done.err, said, f"{shape} {f_khz}")
 
 
 tap.main(globals())

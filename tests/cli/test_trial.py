@@ -1048,6 +1048,9 @@ def test_scenes_and_options_that_cannot_be():
         for run in ("3:1", "99999999999999999999", " -1", "-1", "1:-0", "1:", ":0", "1:0:0"):
             refuse(ideal, 2, "is no RUN or RUN:VARIANT", "--replay=" + run)
         refuse(ideal, 2, "--rule-timeout needs --rule", "--rule-timeout", "3")
+        refuse(ideal, 2, "--force starts afresh and --resume goes on; give one of them", "--force", "--resume")
+        done = asdic("trial", "-", "-o", folder / "none", stdin=ideal).check(code=2)
+        tap.contains(done.err, "the scene is read for every run; it must be a file")
         refuse(ideal, 2, "there is no program './mistyped.py --fast'", "--rule", "./mistyped.py --fast")
 
 

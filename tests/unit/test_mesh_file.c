@@ -232,6 +232,8 @@ static void off_variants(void **state) {
     mesh_rig_refuse(&rig, ":4: coordinate 2 of vertex 1");
     mesh_rig_write(&rig, "m.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n");
     mesh_rig_refuse(&rig, ":6: corner 2 of facet 0");
+    mesh_rig_write(&rig, "m.off", "OFF\n# no more\n");
+    mesh_rig_refuse(&rig, ":2: ends before its counts");
     mesh_rig_write(&rig, "m.off", "OFF BINARY\n3 1 0\n");
     mesh_rig_refuse(&rig, ":1: binary OFF");
     mesh_rig_write(&rig, "m.off", "hello\n");

@@ -138,6 +138,33 @@ static void headers_are_checked(void **state) {
          "F:1:1: error: lines end in carriage returns alone; they must in line feeds\n");
 }
 
+/* 7 columns of a track and EXTRA more, of two points 3 m apart. */
+static asdic_track *load_wide(size_t extra, const char *expected) {
+    asdic_text csv = {0};
+    asdic_text_add(&csv, "time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg");
+    for (size_t i = 0; i < extra; i++) {
+        asdic_text_format(&csv, ",extra%zu", i);
+    }
+    for (int row = 0; row < 2; row++) {
+        asdic_text_format(&csv, "\n%d,%d,0,5,0,0,0", row, 3 * row);
+        for (size_t i = 0; i < extra; i++) {
+            asdic_text_add(&csv, ",1");
+        }
+    }
+    asdic_text_add(&csv, "\n");
+    asdic_track *track = load_bytes(csv.data, csv.length, expected);
+    asdic_text_finish(&csv);
+    return track;
+}
+
+static void files_have_64_columns_at_most(void **state) {
+    (void)state;
+    asdic_track *track = load_wide(57, "");
+    assert_close(asdic_track_pose(track, 1.0).position_m.x, 3, 0);
+    asdic_track_destroy(&track);
+    assert_null(load_wide(58, "F:1:1: error: 65 columns, at most 64 are possible\n"));
+}
+
 static void every_bad_row_is_named(void **state) {
     (void)state;
     load(HEADER "0,0,0,5,0,0,0\n"
@@ -255,6 +282,7 @@ int main(void) {
         cmocka_unit_test(angles_take_the_shorter_way),
         cmocka_unit_test(columns_come_in_any_order),
         cmocka_unit_test(headers_are_checked),
+        cmocka_unit_test(files_have_64_columns_at_most),
         cmocka_unit_test(every_bad_row_is_named),
         cmocka_unit_test(columns_reach_as_far_as_they_say),
         cmocka_unit_test(missing_files_are_named),
