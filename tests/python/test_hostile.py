@@ -36,6 +36,7 @@ def test_arrays_that_are_no_mesh():
             (asdic.ArgumentError, "a triangle has the corner -1", CORNERS, [[0, 1, -1]]),
             (asdic.ArgumentError, "a triangle has the corner 4294967296", CORNERS, [[0, 1, 1 << 32]]),
             (asdic.InputError, "vertex 1 (1, 0, nan) is not finite; repair the mesh", bad, FACET),
+            (asdic.InputError, "vertex 1 (1, 0, nan)", np.ma.masked_array(CORNERS, np.isnan(bad)), FACET),
             (asdic.InputError, "check the units", np.array(CORNERS) * 1e30, FACET)):
         error = raises(kind, part, scene.add_mesh, corners, facets)
         tap.equal(len(str(error).splitlines()), 1, f"one sentence: {error}")
@@ -205,6 +206,7 @@ def test_arrays_that_are_no_poses():
         raises(asdic.ArgumentError, "(1, 4)", sonar.pings, [[0, 0, 5, 0]])
         raises(asdic.ArgumentError, "<U1", sonar.pings, [["a", "b", "c"]])
         raises(asdic.ArgumentError, "pose 1 is [0.0, nan, 5.0]", sonar.pings, [[0, 0, 5], [0, np.nan, 5]])
+        raises(asdic.ArgumentError, "pose 0 is [0.0, 0.0, nan]", sonar.pings, np.ma.masked_equal([[0, 0, 7], [0, 0, 5]], 7))
         raises(asdic.ArgumentError, "pose 0 is", sonar.pings, [[0, 0, -1.0]])
         tap.equal((sonar.pings(np.empty((0, 3))), sonar.index), ([], 0), "nothing")
 

@@ -298,6 +298,10 @@ def test_terrain_has_holes():
     tap.equal(len(faces), int(np.sum(2 * (of_cell == 4) + (of_cell == 3))), "faces")
     cells = np.floor((corners[faces, :2].mean(axis=1))).astype(int)
     tap.equal(len(np.unique(cells, axis=0)), int(np.sum(of_cell >= 3)), "cells")
+    masked = pool(bottom=None)
+    masked.set_terrain(np.arange(9.0), np.arange(12.0), np.ma.masked_array(np.where(there, depth, -32768), there == 0))
+    [(_, *arrays)] = masked._meshes.values()  # pylint: disable=protected-access
+    tap.equal((arrays[0].tolist(), arrays[1].tolist()), (corners.tolist(), faces.tolist()), "masked ones are holes too")
     raises(asdic.ArgumentError, "depth_m is NAN", scene.set_terrain, [0, 1], [0, 1], [[1, np.nan], [np.nan, 1]])
 
 

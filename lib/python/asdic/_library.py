@@ -18,6 +18,7 @@ from types import SimpleNamespace
 from typing import Any, Callable, Optional
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ._native import ffi, lib
 
@@ -380,6 +381,11 @@ def whole(value: Any, what: str, low: int, high: int) -> int:
     if not low <= result <= high:
         raise fail(ArgumentError, f"{what} = {result} is out of range [{low}, {high}]")
     return int(result)
+
+
+def doubles(values: ArrayLike) -> np.ndarray:
+    """VALUES in double precision; NAN where a masked array, as netCDF4 reads files, has none."""
+    return np.ma.filled(np.ma.asarray(values, dtype=np.float64), np.nan)
 
 
 class _Memory:  # pylint: disable=too-few-public-methods

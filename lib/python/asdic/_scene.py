@@ -9,7 +9,8 @@ from typing import Any, Container, Mapping, Sequence, Union
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._library import (ArgumentError, Context, FileError, Handle, encoded, fail, ffi, lib, text, value_of, whole)
+from ._library import (ArgumentError, Context, FileError, Handle, doubles, encoded, fail, ffi, lib, text, value_of,
+                       whole)
 
 Keys = Mapping[str, Any]
 SECTIONS = ("environment", "surface", "bottom", "sonar", "mission", "sampling", "model", "detector", "output")
@@ -159,8 +160,9 @@ class Scene:
 
     def set_terrain(self, north_m: ArrayLike, east_m: ArrayLike, depth_m: ArrayLike,
                     material: str | Keys = "sand") -> None:
-        """A bottom from depths at the crossings of a grid: DEPTH_M[i, k] at NORTH_M[i], EAST_M[k]; holes where it is NAN."""
-        north, east, depth = (np.asarray(values, dtype=np.float64) for values in (north_m, east_m, depth_m))
+        """A bottom from depths at the crossings of a grid: DEPTH_M[i, k] at NORTH_M[i], EAST_M[k]; holes where it is NAN
+        or masked."""
+        north, east, depth = (doubles(values) for values in (north_m, east_m, depth_m))
         if depth.shape != (north.size, east.size) or north.ndim != 1 or east.ndim != 1 or min(depth.shape) < 2:
             raise fail(ArgumentError, f"depth_m has the shape {depth.shape}; of {north.size} north_m and {east.size} "
                        f"east_m it must be ({north.size}, {east.size}), at least (2, 2)")
@@ -187,7 +189,8 @@ class Scene:
 
     def _keep(self, vertices: ArrayLike, triangles: ArrayLike) -> str:
         """Makes a mesh of the arrays; its name, which no other mesh has, whatever folder it is saved in."""
-        corners = np.array(_array(vertices, "fiu", "vertices"), dtype=np.float64, order="C")
+        _array(vertices, "fiu", "vertices")
+        corners = np.array(doubles(vertices), order="C")
         found = _array(triangles, "iu", "triangles")
         if found.min() < 0 or found.max() >= len(corners):
             worst = found.min() if found.min() < 0 else found.max()
