@@ -31,6 +31,7 @@ static bool read_request(cli *c, request *r) {
     cli_integer(c, "cfar-guard", 0, 256, &guard);
     cli_number(c, "truth", -20.0, 60.0, &r->options.truth_snr_db);
     cli_number(c, "cell", 0.001, 1000.0, &r->options.cell_m);
+    cli_number(c, "speed", 0.001, 100.0, &r->options.tracker.speed_mps);
     r->detector.target = (asdic_target)target;
     r->has_target = cli_given(c, "target");
     r->has_pfa = cli_given(c, "pfa");
@@ -367,6 +368,8 @@ static const cli_option options[] = {
     {"truth", 0, "DB",
      "an object is in a bin when its echo is so strong re all else there, else 0"},
     {"cell", 0, "M", "side of the occupancy map's cells, else 0.5"},
+    {"speed", 0, "MPS",
+     "how fast objects go that are tracked, a standard deviation north and east, else 0.5"},
     {"force", 'f', NULL, "replace the detections, or the run, that are there"},
     {0},
 };

@@ -93,6 +93,27 @@ def test_all_beams_find_the_rise():
         tap.equal(report["tracks"]["on_objects"] >= 1, True)
 
 
+def test_tracks_follow_what_is_as_fast_as_was_said():
+    """A boat that goes away at 4 m/s: too fast for a track that expects what drifts."""
+    need_device()
+    with Folder() as folder:
+        folder.write("boat.csv", "time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n0,10,0,8,0,0,0\n5,30,0,8,0,0,0\n")
+        folder.write("fast.yaml", """version: 1
+bottom: none
+objects: [{name: boat, point: 0, track: boat.csv}]
+sonar: {frequency_khz: 100, ping_rate_hz: 4, max_range_m: 35, source_level_db: 200, receivers: [{name: ahead}]}
+mission: {pose: {position_m: [0, 0, 8]}, pings: 20}
+sampling: {rays: 1000}
+output: {images: [], csv: none}
+""")
+        asdic("run", "fast.yaml", "-o", "out", "-q", cwd=folder.path).check(0)
+        for speed, on_objects in ([], 0), (["--speed", "5"], 1):
+            done = asdic("detect", "out", "--force", "--json", *COARSE, *speed, cwd=folder.path).check(0)
+            tap.equal(json.loads(done.out)["tracks"]["on_objects"], on_objects, f"tracks with {speed}")
+        last = rows(folder / "out/tracks.csv")[-1]
+        tap.equal((last["ping"], last["truth"], abs(float(last["vx_mps"]) - 4) < 0.3), ("19", "boat", True), f"{last}")
+
+
 def test_objects_are_named_and_mapped():
     need_device()
     with Folder() as folder:

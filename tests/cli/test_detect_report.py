@@ -154,9 +154,10 @@ def test_options_that_exclude_each_other():
 def test_numbers_have_limits():
     """As the manual has them; there is no scene, which is another error than a wrong option."""
     limits = {"pfa": (1e-12, 0.5), "prior": (1e-9, 0.999), "snr": (-20, 60), "truth": (-20, 60), "cell": (0.001, 1000),
-              "cfar-cells": (1, 256), "cfar-guard": (0, 256), "cost": (1e-6, 1e12)}
+              "cfar-cells": (1, 256), "cfar-guard": (0, 256), "cost": (1e-6, 1e12), "speed": (0.001, 100)}
     beyond = {"pfa": (0.9e-12, 0.51), "prior": (0.9e-9, 0.9991), "snr": (-20.1, 60.1), "truth": (-20.1, 60.1),
-              "cell": (0.0009, 1001), "cfar-cells": (0, 257), "cfar-guard": (-1, 257), "cost": (0.9e-6, 1.1e12)}
+              "cell": (0.0009, 1001), "cfar-cells": (0, 257), "cfar-guard": (-1, 257), "cost": (0.9e-6, 1.1e12),
+              "speed": (0.0009, 101)}
 
     def detect(numbers, end):
         return asdic("detect", "/nonexistent.yaml", "--cfar", "ca", *(f"--{k}={v[end]}" for k, v in numbers.items()))

@@ -403,6 +403,7 @@ def test_detections():
     for option in "cfar_cells", "cfar_guard":
         raises(asdic.ArgumentError, "cfar_cells and cfar_guard go with cfar", run.detect, **{option: 4})
         raises(asdic.ArgumentError, option, run.detect, cfar="os", **{option: 257})
+    raises(asdic.ArgumentError, "speed -1 m/s", run.detect, speed_mps=-1)
     found = run.detect(pfa=1e-3)
     tap.equal(found.report.pings, 3, "pings")
     tap.equal([name for name in found.classes["name"]][:1], [b"ball"], "classes")

@@ -333,12 +333,13 @@ def _detector(run: Run, pfa: float | None, target: str | None, prior: float | No
 def detect(run: Run | Folder, *, pfa: float | None = None, target: str | None = None, prior: float | None = None,
            snr_db: float | None = None, cost_ratio: float | None = None, background: str = "auto",
            cfar: str | None = None, cfar_cells: int | None = None, cfar_guard: int | None = None,
-           truth_snr_db: float | None = None, cell_m: float | None = None, device: str | None = None, force: bool = False,
-           progress: Progress | bool = None) -> Detections:
+           truth_snr_db: float | None = None, cell_m: float | None = None, speed_mps: float | None = None,
+           device: str | None = None, force: bool = False, progress: Progress | bool = None) -> Detections:
     """Judges every bin of a run, as `asdic detect` does; writes its tables into the run's folder.
 
     TARGET: "swerling0" to "swerling3". BACKGROUND: "auto", "flat", "simulated", "cfar". CFAR: "ca" or "os", over
     CFAR_CELLS (8) bins on either side but for CFAR_GUARD (2) next to the bin.
+    SPEED_MPS (0.5): how fast objects go that are tracked, a standard deviation north and east.
     FORCE replaces what an earlier call left.
     """
     run = run if isinstance(run, Run) else Run(run)
@@ -361,6 +362,8 @@ def detect(run: Run | Folder, *, pfa: float | None = None, target: str | None = 
         options.truth_snr_db = number(truth_snr_db, "truth_snr_db")
     if cell_m is not None:
         options.cell_m = number(cell_m, "cell_m")
+    if speed_mps is not None:
+        options.tracker.speed_mps = number(speed_mps, "speed_mps")
     selector = ffi.new("char[]", encoded(device, "device")) if device is not None else ffi.NULL
     options.device, options.force = selector, bool(force)
     options.progress, options.user = lib.asdic_python_run_progress, context.progress_user
