@@ -237,6 +237,13 @@ static void print_json(const asdic_detect_report *r) {
 static void remark_on_error(cli *c, const asdic_detect_report *r) {
     void (*say)(const cli *, const char *, ...) =
         r->sampling_error_db > 0.5 ? cli_warning : cli_note;
+    if (!isnan(r->detector.cost_ratio)) {
+        say(c,
+            "the levels' sampling error, %.2g dB in the median bin, passes for targets; a "
+            "threshold by cost does not allow for it. More rays lessen it (asdic run --tolerance)",
+            r->sampling_error_db);
+        return;
+    }
     say(c,
         "the levels' sampling error, %.2g dB in the median bin, passes for targets; thresholds by "
         "P_FA are %.2g dB higher for it. More rays lower them (asdic run --tolerance)",

@@ -476,6 +476,9 @@ def test_a_large_sampling_error_is_a_warning():
             tap.equal(told[0].startswith(f"{mark}the levels' sampling error"), True, told[0])
             tap.contains(told[0], f"sampling error, {error_db:.2g} dB in the median bin")
             tap.contains(told[0], f"are {lift_db:.2g} dB higher")
+        told = asdic("detect", f"out{rays}", "--force", "--cost", "10", cwd=folder.path).check(0).err
+        tap.contains(told, "by cost does not allow for it. More rays lessen it")
+        tap.lacks(told, "dB higher")
 
 
 # Over sand waves, with a ball above them.
