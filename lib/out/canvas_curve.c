@@ -30,9 +30,20 @@ static void dot(asdic_canvas *c, double x, double y, uint32_t rgb) {
     cairo_path_destroy(path);
 }
 
+/* Where a path crosses itself is searched for in a time that grows faster than its length: a solid
+ * line, which does not show it, is stroked in pieces of so many points. */
+#define PIECE_POINTS 256
+
+static void stroke(asdic_canvas *c, const asdic_series *series) {
+    asdic_canvas_set_style(c, series);
+    cairo_stroke(c->cr);
+    asdic_canvas_set_style(c, NULL);
+}
+
 void asdic_canvas_curve(asdic_canvas *c, asdic_box box, const asdic_plot_axis *x_axis,
                         const asdic_plot_axis *y_axis, const asdic_series *series) {
     bool drawing = false;
+    size_t points = 0;
     cairo_new_path(c->cr);
     for (size_t i = 0; i < series->count; i++) {
         if (!is_point(x_axis, y_axis, series, i)) {
@@ -46,6 +57,10 @@ void asdic_canvas_curve(asdic_canvas *c, asdic_box box, const asdic_plot_axis *x
         y = fmin(fmax(y, box.y - box.h), box.y + 2.0 * box.h);
         if (drawing) {
             cairo_line_to(c->cr, x, y);
+            if (++points % PIECE_POINTS == 0 && series->style == ASDIC_LINE_SOLID) {
+                stroke(c, series);
+                cairo_move_to(c->cr, x, y);
+            }
         } else if (is_point(x_axis, y_axis, series, i + 1)) {
             cairo_move_to(c->cr, x, y);
         } else {
@@ -53,7 +68,5 @@ void asdic_canvas_curve(asdic_canvas *c, asdic_box box, const asdic_plot_axis *x
         }
         drawing = true;
     }
-    asdic_canvas_set_style(c, series);
-    cairo_stroke(c->cr);
-    asdic_canvas_set_style(c, NULL);
+    stroke(c, series);
 }

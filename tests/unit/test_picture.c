@@ -15,6 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 static asdic_context *ctx;
@@ -632,6 +633,40 @@ static void what_cannot_be_drawn_is_refused(void **state) {
     assert_int_equal(access(path, F_OK), -1);
 }
 
+/* Processor time of a curve that goes to and fro, as a level with speckle does. */
+static double seconds_of_curve(size_t count) {
+    enum { MOST = 1 << 15 };
+    static double x[MOST], y[MOST];
+    uint32_t state = 1;
+    for (size_t i = 0; i < count; i++) {
+        state = 1664525u * state + 1013904223u;
+        x[i] = (double)i / (double)count;
+        y[i] = ldexp(state, -32);
+    }
+    const asdic_series curve = {.x = x, .y = y, .count = count, .width = 1.0};
+    const asdic_plot panel = {.x = {.label = "x", .low = 0, .high = 1},
+                              .y = {.label = "y", .low = 0, .high = 1},
+                              .series = &curve,
+                              .series_count = 1};
+    const asdic_picture_options options = asdic_picture_options_default();
+    const char *path = file_in_folder("curve.png");
+    clock_t begin = clock();
+    assert_int_equal(asdic_picture_plot(ctx, path, &panel, 1, &options), ASDIC_OK);
+    assert_int_equal(remove(path), 0);
+    return (double)(clock() - begin) / CLOCKS_PER_SEC;
+}
+
+/* Eight times as many points; in one piece they took forty times as long. */
+static void time_of_curves_grows_as_their_points(void **state) {
+    (void)state;
+    if (!asdic_picture_annotated()) {
+        skip();
+    }
+    double few_s = seconds_of_curve(1 << 12), many_s = seconds_of_curve(1 << 15);
+    print_message("%.3f s, %.3f s\n", few_s, many_s);
+    assert_true(many_s < 16.0 * few_s);
+}
+
 /* -100 dB at 5 and at 15 m, with 20 log r + r; the window's 100 dB are 65534 steps. */
 static void gain_is_of_the_bins_centre(void **state) {
     (void)state;
@@ -721,6 +756,7 @@ int main(void) {
         cmocka_unit_test(words_say_what_is_shown),
         cmocka_unit_test(maps_follow_their_format_and_lines),
         cmocka_unit_test(what_cannot_be_drawn_is_refused),
+        cmocka_unit_test(time_of_curves_grows_as_their_points),
         cmocka_unit_test(gain_is_of_the_bins_centre),
         cmocka_unit_test(names_of_beams_are_apart),
         cmocka_unit_test(failures_leave_nothing),
