@@ -945,6 +945,39 @@ def test_bins_go_to_standard_output():
         asdic("run", folder / "pool.yaml", "-o", "-", "--resume").check(code=2, out="")
 
 
+def test_terrain_keeps_land_and_holes():
+    """A slope that comes out of the water in the east, with a corner that nobody surveyed: a hole is none of -9999 m."""
+    with Folder() as folder:
+        rows = [[12 - 2 * column for column in range(11)] for _ in range(11)]  # from 12 m to 8 m above the water
+        rows[10][0] = rows[10][1] = rows[9][0] = rows[9][1] = -9999
+        folder.write("shore.asc", "ncols 11\nnrows 11\nxllcenter -20\nyllcenter -20\ncellsize 4\nNODATA_value -9999\n"
+                     + "\n".join(" ".join(map(str, row)) for row in rows) + "\n")
+        run_of(folder, pings=2, edits={
+            "bottom: {depth_m: 12, type: sand}": "bottom: {grid: {file: shore.asc}, type: sand}", "fan]": "plan]",
+            "position_m: [20, 0, 6]": "position_m: [10, -14, 4]", "position_m: [0, 0, 5]": "position_m: [0, -14, 5]"})
+        head, cells = {}, []
+        for line in data(folder, "r", "terrain.asc").decode().splitlines():
+            words = line.split()
+            if len(words) == 2 and not words[0].lstrip("-").isdigit():
+                head[words[0]] = float(words[1])
+            else:
+                cells.append([float(word) for word in words])
+        tap.equal((len(cells), len(cells[0]), head["NODATA_value"]), (head["nrows"], head["ncols"], -9999), "size")
+        worst = holes = 0
+        for row, line in enumerate(cells):
+            north = head["yllcorner"] + (head["nrows"] - row - 0.5) * head["cellsize"]
+            for column, depth in enumerate(line):
+                east = head["xllcorner"] + (column + 0.5) * head["cellsize"]
+                if depth == -9999:
+                    holes += 1
+                    tap.equal((east < -12, north < -12), (True, True), f"a hole at {north} north, {east} east")
+                else:
+                    worst = max(worst, abs(depth - (12 - (east + 20) / 2)))
+        tap.equal(worst < 0.002, True, f"{worst} m beside the grid")
+        # Three squares of 16 m2, and half of one of which three corners are known.
+        tap.equal(abs(holes * head["cellsize"] ** 2 - 56) < 1, True, f"{holes} cells")
+
+
 def test_terrain_in_gdal_and_outlines_in_sqlite():
     """A sea floor that falls from 8 to 18 m towards the north, 60 m by 60 m."""
     with Folder() as folder:
