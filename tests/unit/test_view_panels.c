@@ -5,10 +5,10 @@
 
 #include <cairo.h>
 
-/* What was written since word_count was 0, and the middle of its ink. This takes the place of cairo's own. */
+/* What was written since word_count was 0, the middle of its ink and its size. This takes the place of cairo's own. */
 static struct word {
     char text[160];
-    double x, y;
+    double x, y, width, height;
 } words[400];
 static size_t word_count;
 
@@ -23,12 +23,15 @@ void cairo_show_text(cairo_t *cr, const char *text) {
     w->x += e.x_bearing + 0.5 * e.width;
     w->y += e.y_bearing + 0.5 * e.height;
     cairo_user_to_device(cr, &w->x, &w->y);
+    w->width = e.width;
+    w->height = e.height;
+    cairo_user_to_device_distance(cr, &w->width, &w->height);
     snprintf(w->text, sizeof w->text, "%s", text);
 }
 
-/* Straight lines, and the angles of arcs, since line_count and arc_count were 0. */
+/* Straight lines, and arcs, since line_count and arc_count were 0. */
 static struct line { double x0, y0, x1, y1; } lines[400];
-static double arcs_rad[400][2];
+static struct arc { double x, y, radius, rad[2]; } arcs[400];
 static size_t line_count, arc_count;
 
 void __real_asdic_canvas_line(asdic_canvas *c, double x0, double y0, double x1, double y1);
@@ -44,9 +47,8 @@ void __wrap_asdic_canvas_line(asdic_canvas *c, double x0, double y0, double x1, 
 }
 
 void __wrap_cairo_arc(cairo_t *cr, double x, double y, double radius, double low, double high) {
-    if (arc_count < sizeof arcs_rad / sizeof *arcs_rad) {
-        arcs_rad[arc_count][0] = low;
-        arcs_rad[arc_count++][1] = high;
+    if (arc_count < sizeof arcs / sizeof *arcs) {
+        arcs[arc_count++] = (struct arc){x, y, radius, {low, high}};
     }
     __real_cairo_arc(cr, x, y, radius, low, high);
 }
@@ -337,6 +339,67 @@ static void words_lie_within_the_frame(void **state) {
     }
 }
 
+static bool overlap(const struct word *a, const struct word *b) {
+    return fabs(a->x - b->x) < 0.5 * (a->width + b->width) &&
+           fabs(a->y - b->y) < 0.5 * (a->height + b->height);
+}
+
+/* Of a narrow fan, a wide one and one all round, small and large: no word lies on another, and the bearings stand
+ * outside the fan, near it, each where its own bearing is. */
+static void words_keep_clear_of_each_other(void **state) {
+    (void)state;
+    static const int sectors_deg[] = {40, 120, 300};
+    for (size_t i = 0; i < 6; i++) {
+        char receivers[96];
+        snprintf(receivers, sizeof receivers,
+                 "{fan: {count: 30, sector_deg: %d, length_h_m: 0.1, length_v_m: 0.02}}",
+                 sectors_deg[i / 2]);
+        asdic_view_options o = asdic_view_options_default();
+        o.width *= i % 2 + 1;
+        o.height *= i % 2 + 1;
+        asdic_view *v = try_view(receivers, "sampling: {rays: 256}", &o, ASDIC_OK);
+        step(v, 3);
+        draw(v);
+        const asdic_box sonar = v->layout.sonar;
+        const struct arc *apex = arcs;
+        while (apex < arcs + arc_count && !(apex->x > sonar.x && apex->x < sonar.x + sonar.w)) {
+            apex++;
+        }
+        assert_true(apex < arcs + arc_count);
+        double radius = 0.0; /* of the lines from the apex */
+        for (size_t k = 0; k < line_count; k++) {
+            const struct line *l = &lines[k];
+            if (l->x0 == apex->x && l->y0 == apex->y) {
+                radius = fmax(radius, hypot(l->x1 - l->x0, l->y1 - l->y0));
+            }
+        }
+        size_t bearings = 0;
+        for (size_t k = 0; k < word_count; k++) {
+            const struct word *w = &words[k];
+            for (size_t n = 0; n < k; n++) {
+                if (overlap(w, &words[n])) {
+                    fail_msg("'%s' lies on '%s'", w->text, words[n].text);
+                }
+            }
+            bool is_left = strncmp(w->text, "\u2212", 3) == 0;
+            int deg, length = 0;
+            if (w->x < sonar.x + sonar.w &&
+                sscanf(w->text + (is_left ? 3 : 0), "%d\u00b0%n", &deg, &length) == 1 &&
+                length > 0) {
+                double angle = (is_left ? -deg : deg) * DEGREE, s = sin(angle), c = cos(angle);
+                double along = (w->x - apex->x) * s - (w->y - apex->y) * c;
+                double nearest = along - 0.5 * (fabs(s) * w->width + fabs(c) * w->height);
+                assert_true(nearest > radius && along < radius + 40.0 * v->layout.scale);
+                assert_close((w->x - apex->x) * c + (w->y - apex->y) * s, 0.0,
+                             12.0 * v->layout.scale);
+                bearings++;
+            }
+        }
+        assert_int_equal(bearings, 2 * (sectors_deg[i / 2] / 60) + 1);
+        close_view(v);
+    }
+}
+
 /* Pixels of the A-scope that are red, from LOW to HIGH of its width. */
 static size_t reds(const asdic_view *v, double low, double high) {
     asdic_view_image frame = asdic_view_get_frame(v);
@@ -448,8 +511,8 @@ static void check_cone(const dev_cone_view *cone, double heading_rad, double dow
 /* An arc of the last frame goes from LOW to HIGH, bearings from north on. */
 static void check_arc(size_t at, double low_rad, double high_rad) {
     assert_true(at < arc_count);
-    assert_close(arcs_rad[at][0], low_rad - 90.0 * DEGREE, 1e-9);
-    assert_close(arcs_rad[at][1], high_rad - 90.0 * DEGREE, 1e-9);
+    assert_close(arcs[at].rad[0], low_rad - 90.0 * DEGREE, 1e-9);
+    assert_close(arcs[at].rad[1], high_rad - 90.0 * DEGREE, 1e-9);
 }
 
 /* Nine beams and more are one wedge, on the map one sector. The chosen beam is amber, which has more red than blue, and
@@ -755,6 +818,7 @@ static void the_camera_fills_its_panel(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(words_lie_within_the_frame),
+        cmocka_unit_test(words_keep_clear_of_each_other),
         cmocka_unit_test(texts_lose_what_is_no_text),
         cmocka_unit_test(the_newest_ping_is_on_top),
         cmocka_unit_test(beams_are_cones),
