@@ -186,7 +186,7 @@ static asdic_status find_folder(asdic_context *ctx, const char *path, char **out
 
 asdic_status asdic_mission_write_scene(asdic_context *ctx, const asdic_mission *mission,
                                        const char *path, const char *track) {
-    if (!mission || !path) {
+    if (!mission || !path || !track) {
         return asdic_fail_null(ctx, __func__);
     }
     rewriter r = {0};

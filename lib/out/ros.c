@@ -390,9 +390,11 @@ asdic_status asdic_ros_decode_pose(asdic_context *ctx, bool is_odometry, const v
                                    size_t size, asdic_ros_stamped *out) {
     asdic_ros_odometry odometry;
     asdic_ros_pose_stamped stamped;
-    bool good = bytes && out &&
-                (is_odometry ? asdic_ros_read(&asdic_ros_odometry_type, bytes, size, &odometry)
-                             : asdic_ros_read(&asdic_ros_pose_stamped_type, bytes, size, &stamped));
+    if (!bytes || !out) {
+        return asdic_fail_null(ctx, __func__);
+    }
+    bool good = is_odometry ? asdic_ros_read(&asdic_ros_odometry_type, bytes, size, &odometry)
+                            : asdic_ros_read(&asdic_ros_pose_stamped_type, bytes, size, &stamped);
     if (!good) {
         return asdic_fail(ctx, ASDIC_ERROR_INPUT, "%zu bytes are no %s", size,
                           is_odometry ? "nav_msgs/msg/Odometry" : "geometry_msgs/msg/PoseStamped");

@@ -1,9 +1,9 @@
 """Every public function with NULL, zeros, NaN and huge numbers: a status, never a crash.
 
 A C program is made from the headers: it calls each function in a child process of its own, with
-arguments of four kinds. A function that returns a status refuses what it cannot work on; the place
-for what it would have made then holds NULL, whatever it held before. One that returns something else
-returns nothing of nothing: zeros, NULL.
+arguments of four kinds, and once for each of its pointers, which alone is NULL. A function that returns a
+status refuses what it cannot work on; the place for what it would have made then holds NULL, whatever it
+held before. One that returns something else returns nothing of nothing: zeros, NULL.
 """
 import functools
 import os
@@ -24,6 +24,12 @@ FINE = {"asdic_context_create": {"huge"}, "asdic_device_list": {"huge"},
         # what is not there has ended
         "asdic_team_end": {"nothing", "context", "nan", "huge"},
         "asdic_view_stop": {"nothing", "context", "nan", "huge"}}
+
+ARGUMENT = 1  # ASDIC_ERROR_ARGUMENT
+# What may alone be NULL. The handles that are given with it are none, and it goes on to the first of these.
+OPTIONAL = {("asdic_devices_open", 1), ("asdic_run_detect", 3), ("asdic_scan_ping", 3), ("asdic_scan_ping", 4)}
+# What a handle is asked for before the others are looked at.
+BEHIND = {("asdic_simulator_profile", 1), ("asdic_simulator_profile", 3)}
 
 PROGRAM = r"""
 #define _GNU_SOURCE
@@ -47,6 +53,8 @@ static const entry entries[] = {
 %s
 }, makers[] = {
 %s
+}, alone[] = {
+%s
 };
 int main(void) {
     static const char *const kinds[] = {"nothing", "context", "nan", "huge"};
@@ -65,6 +73,18 @@ int main(void) {
                    WIFSIGNALED(state) ? "signal" : "status",
                    WIFSIGNALED(state) ? WTERMSIG(state) : WEXITSTATUS(state));
         }
+    }
+    for (size_t i = 0; i < sizeof alone / sizeof *alone; i++) {
+        int state;
+        fflush(stdout);
+        pid_t child = fork();
+        if (child == 0) {
+            alarm(20);
+            _exit(alone[i].call(0));
+        }
+        waitpid(child, &state, 0);
+        printf("%%s alone %%d %%d\n", alone[i].name, WIFSIGNALED(state) ? WTERMSIG(state) : 0,
+               WIFSIGNALED(state) ? 0 : WEXITSTATUS(state));
     }
     for (size_t i = 0; i < sizeof makers / sizeof *makers; i++) {
         place = room;
@@ -132,6 +152,8 @@ def argument(number, kind):
 OPAQUE = {f"{name} *" for header in (INCLUDE / "asdic").glob("*.h")
           for name in re.findall(r"typedef struct (asdic_\w+) \1;", header.read_text())}
 OPAQUE.add("asdic_team *")  # functions of the caller's
+CALLBACKS = {name for header in (INCLUDE / "asdic").glob("*.h")
+             for name in re.findall(r"typedef [^;{]*\(\*(asdic_\w+)\)", header.read_text())}
 VALUES = {"asdic_vec3", "asdic_pose", "asdic_material"}
 
 
@@ -159,7 +181,37 @@ def source():
         calls.append(f"static int make_{name}(int kind) {{\n    (void)kind;\n"
                      f"    return (int){name}({', '.join(given)});\n}}")
         makers.append(f'    {{"{name}", make_{name}}},')
-    return PROGRAM % ("\n".join(calls), "\n".join(entries), "\n".join(makers))
+    alone = []
+    for name, types, without in lone_nulls():
+        given = ["NULL" if i == without else some(i, kind) for i, kind in enumerate(types)]
+        calls.append(f"static int alone_{name}_{without}(int kind) {{\n    (void)kind;\n"
+                     f"    return (int){name}({', '.join(given)});\n}}")
+        alone.append(f'    {{"{name} {without}", alone_{name}_{without}}},')
+    return PROGRAM % ("\n".join(calls), "\n".join(entries), "\n".join(makers), "\n".join(alone))
+
+
+def some(number, kind):
+    """A C expression for a parameter that is there, though what it points to is all zeros."""
+    if kind == "const char *":
+        return '"/nonexistent/x.yaml"'
+    if kind in CALLBACKS:
+        return f"({kind})abort"
+    if kind.endswith("*"):
+        return "ctx" if "asdic_context" in kind else f"(void *)room[{number % 8}]"
+    if kind in ("double", "float", "size_t", "uint32_t", "uint64_t", "unsigned", "bool", "int"):
+        return "1"
+    return argument(number, kind)[0]
+
+
+def lone_nulls():
+    """(name, parameter types, the one that is NULL) of the functions that need two pointers or more."""
+    found = []
+    for result, name, types in prototypes():
+        needed = [i for i, kind in enumerate(types) if kind in CALLBACKS or
+                  kind.endswith("*") and "asdic_context" not in kind and kind != "void *"]
+        if result == "asdic_status" and len(needed) > 1:
+            found += [(name, types, i) for i in needed if (name, i) not in OPTIONAL | BEHIND]
+    return found
 
 
 def makers_of_objects():
@@ -181,7 +233,7 @@ def results():
 
 
 def test_nothing_crashes():
-    rows = [row for row in results() if row[1] != "makes"]
+    rows = [row for row in results() if row[1] != "makes" and row[2] != "alone"]
     tap.equal(len(rows), 4 * len(prototypes()), "number of calls")
     crashed = [f"{name}({kind}): signal {code}" for name, kind, how, code in rows
                if how == "signal"]
@@ -192,11 +244,20 @@ def test_nothing_crashes():
     tap.equal(taken, [], "accepted though there was nothing to work on")
 
 
+def test_each_pointer_is_asked_for():
+    """One that alone is NULL is an argument that is wrong: where others are there, too."""
+    rows = [row for row in results() if row[2] == "alone"]
+    tap.equal((len(rows), len(rows) > 200), (len(lone_nulls()), True), "number of calls")
+    wrong = [f"{name}({number}): signal {signal}, status {status}" for name, number, _, signal, status in rows
+             if (signal, status) != ("0", str(ARGUMENT))]
+    tap.equal(wrong, [], "pointers that are not asked for")
+
+
 def test_nothing_has_nothing():
     """As context.h says; a number of what is not there would be taken for an answer."""
     of = {name for result, name, types in prototypes() if result not in ("asdic_status", "void")
           and TOLD.match(name) and any(kind.endswith("*") for kind in types)} - NO_ZEROS  # fmt: skip
-    asked = [(name, code) for name, kind, _, code in results() if name in of and kind == "nothing"]
+    asked = [(name, code) for name, kind, _, code, *_ in results() if name in of and kind == "nothing"]
     tap.equal(len(asked) >= 30, True, f"{len(asked)} functions that tell something")
     tap.equal([name for name, code in asked if code != "0"], [], "had something of nothing")
 

@@ -83,7 +83,7 @@ static asdic_status write_table(asdic_context *ctx, const char *path, const char
 
 asdic_status asdic_roc_write_csv(asdic_context *ctx, const char *path, const char *range_path,
                                  const char *const *names, asdic_roc *const *rocs, size_t count) {
-    if (!path || !names || !rocs) {
+    if (!path || !range_path || !names || !rocs) {
         return asdic_fail_null(ctx, __func__);
     }
     TRY(write_table(
@@ -273,6 +273,9 @@ static asdic_status draw(asdic_context *ctx, const char *path, const char *title
 
 asdic_status asdic_roc_draw(asdic_context *ctx, const char *path, const char *title,
                             const char *const *names, asdic_roc *const *rocs, size_t count) {
+    if (!path || !title || !names || !rocs) {
+        return asdic_fail_null(ctx, __func__);
+    }
     if (count == 0 || count > MOST_CURVES) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "%zu curves in a picture: 1 to %d", count,
                           MOST_CURVES);
