@@ -57,6 +57,22 @@ static void buffer_zero_clears_exactly_the_bytes_asked_for(void **state) {
     }
 }
 
+/* However often a device says that its driver may compile, and that it has: the context counts the device once, and
+ * one that has ended is forgotten. */
+static void a_device_compiles_or_does_not(void **state) {
+    (void)state;
+    asdic_device_has_compiled(t.device);
+    for (int k = 0; k < 2; k++) {
+        assert_false(asdic_context_compiles(t.ctx));
+        asdic_device_may_compile(t.device);
+        asdic_device_may_compile(t.device);
+        assert_true(asdic_context_compiles(t.ctx));
+        asdic_device_has_compiled(t.device);
+        assert_false(asdic_context_compiles(t.ctx));
+        asdic_device_has_compiled(t.device);
+    }
+}
+
 static void empty_buffer_can_be_an_argument(void **state) {
     (void)state;
     asdic_buffer *buffer = NULL;
@@ -429,6 +445,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(buffer_gives_back_what_was_written),
         cmocka_unit_test(buffer_zero_clears_exactly_the_bytes_asked_for),
+        cmocka_unit_test(a_device_compiles_or_does_not),
         cmocka_unit_test(empty_buffer_can_be_an_argument),
         cmocka_unit_test(no_device_has_no_information),
         cmocka_unit_test(access_beyond_a_buffer_is_refused),
