@@ -3,6 +3,7 @@ import csv
 import json
 import math
 import pathlib
+import re
 import resource
 import subprocess
 import time
@@ -554,8 +555,19 @@ def test_a_background_may_be_quiet():
         quiet = WAVES.replace("source_level_db: 200", "source_level_db: 0\n  noise: {enabled: false}")
         folder.write("quiet.yaml", quiet.replace("pings: 40", "pings: 5") % (DATA / "meshes/terrain.ply"))
         asdic("run", "quiet.yaml", "-o", "out", "-q", cwd=folder.path).check(0)
-        rate = json.loads(asdic("detect", "out", "--json", cwd=folder.path).check(0).out)["pfa_measured"]["value"]
+        done = asdic("detect", "out", "--json", "-v", cwd=folder.path).check(0)
+        rate = json.loads(done.out)["pfa_measured"]["value"]
         tap.equal(0.3e-3 < rate < 3e-3, True, f"P_FA {rate} of 1e-3")
+        # Of a vehicle under way no more than four times the run's.
+        rays, enough = background_rays(folder, done.err, 5)
+        tap.equal((rays, enough > 80000), (80000, True), f"enough were {enough} rays")
+
+
+def background_rays(folder, said, pings):
+    """How many rays each of so many PINGS of a background has, as SAID, and how many an error of 0.25 dB takes."""
+    rays = int(re.search(rf": {pings} pings? of the scene without its objects, (\d+) rays each", said)[1])
+    facts = json.loads((pathlib.Path(folder.path) / "out/run.json").read_text())
+    return rays, facts["rays"] * (facts["stderr_db"]["median"] / 0.25) ** 2
 
 
 def test_a_background_bends_as_the_run():
@@ -566,7 +578,7 @@ def test_a_background_bends_as_the_run():
         for old, new in (("bottom:", "environment: {sound_speed_profile: [[0, 1482], [8, 1480], [12, 1460], "
                                      "[20, 1445], [35, 1440]]}\nbottom:"),
                          ("waypoints: {points_m: [[0, 0, 20], [30, 5, 20]], speed_mps: 1.5}",
-                          "pose: {position_m: [0, 0, 9]}"), ("pings: 40", "pings: 20"),
+                          "pose: {position_m: [0, 0, 9]}"), ("pings: 40", "pings: 20"), ("rays: 20000", "rays: 8000"),
                          ("frequency_khz: 200", "frequency_khz: 100"), ("bin_length_m: 0.1", "bin_length_m: 0.5")):
             tap.contains(text, old)
             text = text.replace(old, new)
@@ -576,8 +588,11 @@ def test_a_background_bends_as_the_run():
             asdic("run", "bent.yaml", "-o", "out", "-q", "-f", "--refraction", form, cwd=folder.path).check(0)
             for name, kept in backgrounds.items():  # another form's is not taken for its own
                 (pathlib.Path(folder.path) / "out/background.npy").write_bytes(kept)
-            found = json.loads(asdic("detect", "out", "--json", "-f", cwd=folder.path).check(0).out)
+            done = asdic("detect", "out", "--json", "-f", "-v", cwd=folder.path).check(0)
+            found = json.loads(done.out)
             tap.equal(found["background_s"] > 0, True, form)
+            rays, enough = background_rays(folder, done.err, 1)  # at rest as many as are enough
+            tap.equal((rays > 8000, abs(rays / enough - 1) < 0.01), (True, True), f"{rays} rays, not {enough}")
             backgrounds[form] = (pathlib.Path(folder.path) / "out/background.npy").read_bytes()
             rate = found["pfa_measured"]["value"]
             tap.equal(0.3e-3 < rate < 3e-3, True, f"P_FA {rate} of 1e-3, {form}")
