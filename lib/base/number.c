@@ -98,10 +98,7 @@ locale_t asdic_c_locale_enter(void) {
 
 void asdic_c_locale_leave(locale_t before) {
     if (before) {
-        locale_t c = uselocale(before);
-        if (c != LC_GLOBAL_LOCALE && c != before) {
-            freelocale(c);
-        }
+        freelocale(uselocale(before));
     }
 }
 
