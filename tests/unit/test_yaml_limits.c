@@ -150,6 +150,18 @@ static void encodings_are_understood(void **state) {
         asdic_text_to_utf8("\xff\xfe\xe4\x00\xac\x20\x34\xd8\x1e\xdd\x34\xd8", 12, &length);
     assert_string_equal(letters, "\xc3\xa4\xe2\x82\xac\xf0\x9d\x84\x9e\xed\xa0\xb4");
     free(letters);
+    /* Letters that take half as much again: the heap is looked through for bytes behind the result. */
+    enum { LETTERS = 1000 };
+    char utf16[2 * LETTERS + 2] = "\xff\xfe";
+    for (size_t i = 1; i <= LETTERS; i++) {
+        memcpy(utf16 + 2 * i, "\x00\x4e", 2);
+    }
+    char *chinese = asdic_text_to_utf8(utf16, sizeof utf16, &length);
+    assert_int_equal(length, 3 * LETTERS);
+    for (size_t i = 0; i < LETTERS; i++) {
+        assert_memory_equal(chinese + 3 * i, "\xe4\xb8\x80", 3);
+    }
+    free(chinese);
     char *empty = asdic_text_to_utf8("", 0, &length);
     assert_int_equal(length, 0);
     free(empty);
