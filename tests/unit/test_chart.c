@@ -949,6 +949,46 @@ static void charts_leave_out_what_is_far(void **state) {
     }
 }
 
+/* Every point of a track, an area, an outline and a route, to each side of the others: what is shown ends a little
+ * beyond it, and elsewhere a little beyond the others. Of outlines and routes what is near. */
+static void charts_hold_what_is_near(void **state) {
+    (void)state;
+    enum { POINTS = 3, KINDS = 4 };
+    const asdic_picture_options options = asdic_picture_options_default();
+    for (unsigned n = 0; n < POINTS * KINDS * 4; n++) {
+        /* Track and area from corner to corner, 100 m apart; outline and route in the middle. */
+        double north_m[KINDS][POINTS] = {{-50, 0, 50}, {-50, 0, 50}}, east_m[KINDS][POINTS] = {{0}};
+        unsigned kind = n / POINTS % KINDS, point = n % POINTS, side = n / POINTS / KINDS;
+        memcpy(east_m, north_m, sizeof east_m);
+        *(side < 2 ? &north_m[kind][point] : &east_m[kind][point]) = side % 2 ? 62.0 : -62.0;
+        asdic_outline outline = {.count = POINTS};
+        asdic_route_point points[POINTS];
+        for (size_t i = 0; i < POINTS; i++) {
+            outline.north_m[i] = north_m[2][i];
+            outline.east_m[i] = east_m[2][i];
+            points[i] = (asdic_route_point){(double)i, north_m[3][i], east_m[3][i], 0.0};
+        }
+        const asdic_route route = {.name = "", .points = points, .count = POINTS};
+        const asdic_chart_area area = {.north_m = north_m[1], .east_m = east_m[1], .count = POINTS};
+        const asdic_chart chart = {.relief = &no_relief,
+                                   .outlines = &outline,
+                                   .outline_count = 1,
+                                   .routes = &route,
+                                   .route_count = 1,
+                                   .areas = &area,
+                                   .area_count = 1,
+                                   .north_m = north_m[0],
+                                   .east_m = east_m[0],
+                                   .track_count = POINTS};
+        asdic_chart_page p;
+        asdic_chart_page_init(&p, &chart, &options);
+        const double shown_m[4] = {-p.south_m, p.north_m, -p.west_m, p.east_m};
+        for (unsigned k = 0; k < 4; k++) {
+            assert_close(shown_m[k], (k == side ? 62.0 : 50.0) + 0.06 * 112.0, 1e-9);
+        }
+    }
+}
+
 /* White inside the ring where an object's way begins, and nowhere else along it. */
 static void routes_begin_with_a_ring(void **state) {
     (void)state;
@@ -990,6 +1030,7 @@ static void routes_begin_with_a_ring(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(charts_hold_what_is_near),
         cmocka_unit_test(routes_begin_with_a_ring),
         cmocka_unit_test(cells_of_an_overview_are_whole_pixels),
         cmocka_unit_test(relief_is_the_bottoms_depth),
