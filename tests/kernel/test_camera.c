@@ -195,6 +195,17 @@ static void the_floor_has_a_grid(void **state) {
     }
     printf("# a line %.2f and %.2f times as bright as beside it\n", line / port, line / starboard);
     assert_true(line < 0.95 * port && line < 0.95 * starboard);
+    /* Far off, where a pixel sees three metres of floor and more, there are none: a floor as bright as the sand. */
+    const asdic_shot ahead = {.eye_m = {10.0, 5.0, 8.0}, .pitch_rad = -0.1, .range_m = 2000.0};
+    assert_ok(t.ctx, asdic_camera_shoot(c, sim, &ahead));
+    double sand = brightness_at(c, (asdic_vec3){25.0, 5.0, 12.0});
+    for (double x = 50.0; x <= 70.0; x += 0.5) {
+        double far = 0.0;
+        for (double y = -5.0; y <= 15.0; y += 0.5) {
+            far += brightness_at(c, (asdic_vec3){x, y, 12.0}) / 41.0;
+        }
+        assert_close(far, sand, 0.1 * sand);
+    }
     asdic_camera_destroy(&c);
     asdic_simulator_destroy(&sim);
     rig_destroy(&r);
