@@ -981,6 +981,33 @@ static void a_run_again_needs_all_it_asks_for(void **state) {
     assert_close(flown.distance_m, 9.0, 1e-6);
 }
 
+/* Only a sonar that is ideal needs none, where no rule asks for its pings. */
+static void what_pings_needs_a_device(void **state) {
+    (void)state;
+    char scene[200], whole[200], heard[1000];
+    snprintf(scene, sizeof scene, "%s/empty.yaml", folder);
+    snprintf(whole, sizeof whole, "%s/again", folder);
+    asdic_trial_options options = two_runs(scene, whole);
+    const asdic_trial_rule rule = {.name = "never asked"};
+    asdic_trial_run flown;
+    options.force = true;
+    for (int has_rule = 0; has_rule < 2; has_rule++) {
+        for (int is_ideal = 0; is_ideal < 2; is_ideal++) {
+            const char *at = strstr(empty, ", ideal");
+            snprintf(heard, sizeof heard, "%.*s}\n", (int)(at - empty), empty);
+            write_file("empty.yaml", is_ideal ? empty : heard, "");
+            options.rule = has_rule ? &rule : NULL;
+            if (has_rule || !is_ideal) {
+                assert_status(ctx, asdic_trial_fly(ctx, NULL, 0, &options), ASDIC_ERROR_ARGUMENT);
+                assert_contains(asdic_context_error(ctx), "that pings needs a device");
+                assert_status(ctx, asdic_trial_replay(ctx, NULL, &options, 0, 0, whole, &flown),
+                              ASDIC_ERROR_ARGUMENT);
+                assert_contains(asdic_context_error(ctx), "that pings needs a device");
+            }
+        }
+    }
+}
+
 static int end(void **state) {
     static const char *const folders[] = {
         "joined_new", "joined_forced", "joined_resumed", "a",    "b",     "c", "whole",
@@ -1024,6 +1051,7 @@ int main(void) {
         cmocka_unit_test(a_trial_is_kept_or_gone_on_with),
         cmocka_unit_test(one_device_is_one_worker),
         cmocka_unit_test(a_run_again_needs_all_it_asks_for),
+        cmocka_unit_test(what_pings_needs_a_device),
     };
     if (!mkdtemp(folder)) {
         return 1;
