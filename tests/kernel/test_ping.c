@@ -370,6 +370,27 @@ static void planes_are_the_same_everywhere(void **state) {
     asdic_ping_destroy(&pings[1]);
 }
 
+/* Rays are by the whole seed and index of a ping, the highest bits included. */
+static void pings_far_apart_differ(void **state) {
+    (void)state;
+    static const int bits[] = {0, 31, 32, 33, 63};
+    ping_rig r = rig_create(&t);
+    r.sampling.rays = 256;
+    asdic_ping *first = rig_shoot(&r, 1, false), *again = rig_shoot(&r, 1, false);
+    const uint64_t seed = r.sampling.seed;
+    assert_true(rig_same(first, again));
+    asdic_ping_destroy(&again);
+    for (size_t i = 0; i < 2 * sizeof bits / sizeof *bits; i++) {
+        uint64_t on = 1ull << bits[i / 2];
+        r.sampling.seed = i % 2 ? seed ^ on : seed;
+        again = rig_shoot(&r, i % 2 ? 1 : 1 ^ on, false);
+        assert_false(rig_same(first, again));
+        asdic_ping_destroy(&again);
+    }
+    asdic_ping_destroy(&first);
+    rig_destroy(&r);
+}
+
 static void wrong_use_is_refused(void **state) {
     (void)state;
     ping_rig r = rig_create(&t);
@@ -418,6 +439,7 @@ int main(void) {
         cmocka_unit_test(attitude_and_aim_cancel),
         cmocka_unit_test(nothing_echoes_before_the_nearest_surface),
         cmocka_unit_test(planes_are_the_same_everywhere),
+        cmocka_unit_test(pings_far_apart_differ),
         cmocka_unit_test(wrong_use_is_refused),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);

@@ -6,6 +6,7 @@
 
 #include "sim/speckle.h"
 #include "sim/texture.h"
+#include "sim/variates.h"
 
 #include "../../kernels/random.h"
 
@@ -384,7 +385,23 @@ static void threads_change_nothing(void **state) {
     }
 }
 
-/* A ping's speckle is by its whole index, the highest bits included. */
+/* Numbers are by the whole seed, index and cell of their stream. */
+static void streams_differ_by_every_bit(void **state) {
+    (void)state;
+    asdic_variates first = asdic_variates_begin(0, 7, 5, 3);
+    const double number = asdic_variates_uniform(&first);
+    for (int bit = 0; bit < 64; bit++) {
+        uint64_t on = 1ull << bit;
+        asdic_variates others[] = {asdic_variates_begin(0, 7 ^ on, 5, 3),
+                                   asdic_variates_begin(0, 7, 5 ^ on, 3),
+                                   asdic_variates_begin(0, 7, 5, 3 ^ (1u << bit % 32))};
+        for (size_t i = 0; i < 3; i++) {
+            assert_true(asdic_variates_uniform(&others[i]) != number);
+        }
+    }
+}
+
+/* A ping's speckle is by its whole index and seed, the highest bits included. */
 static void pings_far_apart_differ(void **state) {
     (void)state;
     enum { BINS = 16 };
@@ -398,6 +415,14 @@ static void pings_far_apart_differ(void **state) {
         assert_memory_not_equal(drawing_next(&other), one.ping->intensity_lin[ASDIC_TOTAL],
                                 BINS * sizeof(double));
     }
+    for (int bit = 0; bit < 64; bit++) {
+        asdic_speckle_apply(other.field, SPEED, 7 ^ (1ull << bit), 1, other.ping);
+        assert_memory_not_equal(other.ping->intensity_lin[ASDIC_TOTAL],
+                                one.ping->intensity_lin[ASDIC_TOTAL], BINS * sizeof(double));
+    }
+    asdic_speckle_apply(other.field, SPEED, 7, 1, other.ping);
+    assert_memory_equal(other.ping->intensity_lin[ASDIC_TOTAL],
+                        one.ping->intensity_lin[ASDIC_TOTAL], BINS * sizeof(double));
     drawing_end(&other);
     drawing_end(&one);
 }
@@ -417,6 +442,7 @@ int main(void) {
         cmocka_unit_test(long_pulses_are_one_cell),
         cmocka_unit_test(textures_are_gamma_variates),
         cmocka_unit_test(threads_change_nothing),
+        cmocka_unit_test(streams_differ_by_every_bit),
         cmocka_unit_test(pings_far_apart_differ),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
