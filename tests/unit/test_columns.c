@@ -70,6 +70,8 @@ static void long_files_are_read(void **state) {
     free(text);
 }
 
+#define FORTY "abcdefghijklmnopqrstuvwxyz-ABCDEFGHIJKLM"
+
 static void errors_name_file_and_line(void **state) {
     (void)state;
     static const char *const cases[][2] = {
@@ -83,6 +85,7 @@ static void errors_name_file_and_line(void **state) {
         {"deg,db\n5,-40\n\n6, \n", "F:4: 'db' is empty"},
         {"deg,db\n5,-40x\n", "F:2: 'db' = -40x is not a number"},
         {"deg,db\nnan,-40\n", "F:2: 'deg' = nan is not a finite number"},
+        {"deg,db\n5," FORTY "NO\n", "F:2: 'db' = " FORTY " is not a number"}, /* no more of it */
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         double *rows = NULL;

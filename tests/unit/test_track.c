@@ -165,6 +165,9 @@ static void files_have_64_columns_at_most(void **state) {
     assert_null(load_wide(58, "F:1:1: error: 65 columns, at most 64 are possible\n"));
 }
 
+#define FORTY "1234567890123456789012345678901234567890"
+#define SMALL "-0.0000000000000000000000000000000000000"
+
 static void every_bad_row_is_named(void **state) {
     (void)state;
     load(HEADER "0,0,0,5,0,0,0\n"
@@ -182,6 +185,13 @@ static void every_bad_row_is_named(void **state) {
          "F:6:14: error: 'yaw_deg' is empty\n"
          "F:7:11: error: 'pitch_deg' = 1e7 is out of range [-1000000, 1000000]\n"
          "F:8:7: error: 'z_m' = 0x5 is not a number\n");
+    /* Of long values the first forty letters. */
+    load(HEADER "0,0,0,5,0,0,0\n"
+                "1," FORTY "00,0,5,0,0,0\n"
+                "2,0," FORTY "x,5,0,0,0\n" SMALL "12,0,0,5,0,0,0\n",
+         "F:3:3: error: 'x_m' = " FORTY " is out of range [-10000000, 10000000]\n"
+         "F:4:5: error: 'y_m' = " FORTY " is not a number\n"
+         "F:5:1: error: 'time_s' = " SMALL " is not later than 0 at line 2\n");
     load_bytes(HEADER "0,0,0,5,0,\0,0\n", sizeof HEADER "0,0,0,5,0,\0,0\n" - 1,
                "F:2:1: error: not a text file: a zero byte\n");
 }
