@@ -155,7 +155,7 @@ static void the_nearest_place_counts(void **state) {
     end(&y);
 }
 
-/* Boric acid's absorption both ways over the range, over 1 m at least. */
+/* Boric acid's absorption both ways over the range, over 1 m at least: of all absorption what goes as 10^(0.78 pH). */
 static void boric_acid_is_bounded_by_the_range(void **state) {
     (void)state;
     yard y = begin(true, true);
@@ -164,6 +164,12 @@ static void boric_acid_is_bounded_by_the_range(void **state) {
     double speed_mps = asdic_environment_sound_speed_mps(&y.env, 7.0);
     double range_m = 0.5 * (double)asdic_sonar_bin_count(&y.sonar, speed_mps);
     assert_true(boric_db_per_km > 0.01);
+    asdic_environment other = y.env;
+    other.ph += 0.3;
+    double f_hz = y.sonar.frequency_hz,
+           more_db_per_km = asdic_environment_absorption_db_per_km(&other, f_hz, 12.0) -
+                            asdic_environment_absorption_db_per_km(&y.env, f_hz, 12.0);
+    assert_close_relative(boric_db_per_km, more_db_per_km / (pow(10.0, 0.78 * 0.3) - 1.0), 6e-3);
     assert_close_relative(row_of(ASDIC_TERM_BORIC_ACID)->bound_db, 2e-3 * range_m * boric_db_per_km,
                           6e-3);
     double far_db = row_of(ASDIC_TERM_BORIC_ACID)->bound_db;
