@@ -118,6 +118,13 @@ def test_complete_runs_are_checked():
             same(folder, "whole", "r")
         tap.contains(asdic("run", path, "-o", folder / "r", "--resume").check(code=0).err,
                      "complete already")
+        lost = sorted(set(names) - {"pings.npy"})
+        for name in lost:
+            os.unlink(f"{folder / 'r'}/{name}")
+        err = asdic("run", path, "-o", folder / "r", "--resume").check(code=0).err
+        tap.equal((err.count(f"'{folder / 'r'}/"), f" and {len(lost) - 5} more are missing or damaged" in err),
+                  (5, True), err)
+        same(folder, "whole", "r")
         # Pictures that render drew in another way are whole, too.
         asdic("render", folder / "r", "--colormap", "gray").check(code=0)
         tap.contains(asdic("run", path, "-o", folder / "r", "--resume").check(code=0).err,
