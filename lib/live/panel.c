@@ -65,7 +65,7 @@ void panel_color_bar(const panel *p, asdic_box box, const asdic_picture_options 
                    PANEL_DIM_RGB, ticks[i].label);
     }
     panel_text(p,
-               (asdic_text){.x = box.x + box.w,
+               (asdic_text){.x = box.x + 0.5 * box.w,
                             .y = box.y - 7.0 * p->scale,
                             .align_x = 0.5,
                             .size_px = PANEL_SMALL_PX},

@@ -355,8 +355,8 @@ static void words_keep_clear_of_each_other(void **state) {
                  "{fan: {count: 30, sector_deg: %d, length_h_m: 0.1, length_v_m: 0.02}}",
                  sectors_deg[i / 2]);
         asdic_view_options o = asdic_view_options_default();
-        o.width *= i % 2 + 1;
-        o.height *= i % 2 + 1;
+        o.width /= i % 2 + 1;
+        o.height /= i % 2 + 1;
         asdic_view *v = try_view(receivers, "sampling: {rays: 256}", &o, ASDIC_OK);
         step(v, 3);
         draw(v);
