@@ -923,7 +923,18 @@ static void frames_are_of_single_pings(void **state) {
     assert_int_equal(run(&f, 1, asdic_run_options_default(), "framed"), ASDIC_OK);
     asdic_render_options options = asdic_render_options_default();
     char *path = strdup(in_folder("frame.png"));
+    /* One that is missing alone, of a run that is there: where to, or who is asked. */
+    assert_int_equal(
+        asdic_run_render_frames(f.ctx, in_folder("framed"), &options, count_frames, &frames),
+        ASDIC_ERROR_ARGUMENT);
+    assert_non_null(strstr(asdic_context_error(f.ctx), "an argument that is needed is NULL"));
+    assert_int_equal(asdic_run_mosaic(f.ctx, in_folder("framed"), 0.0, &options),
+                     ASDIC_ERROR_ARGUMENT);
+    assert_non_null(strstr(asdic_context_error(f.ctx), "an argument that is needed is NULL"));
     options.path = path;
+    assert_int_equal(asdic_run_render_frames(f.ctx, in_folder("framed"), &options, NULL, &frames),
+                     ASDIC_ERROR_ARGUMENT);
+    assert_non_null(strstr(asdic_context_error(f.ctx), "an argument that is needed is NULL"));
     for (unsigned images = 1; images < 1u << (ASDIC_IMAGE_PLAN + 2); images++) {
         if (images == 1u << ASDIC_IMAGE_ASCOPE || images == 1u << ASDIC_IMAGE_FAN) {
             continue;
