@@ -31,24 +31,31 @@ typedef struct cast_reader {
     double salinity_ppt; /* where the file has none */
 } cast_reader;
 
-/* Which columns the header of PATH, its first line that is no comment, has; NULL: none of them. */
+/* Which columns the header of PATH, its first line that is no comment, has; of a file without one those of speeds. */
 static asdic_status find_columns(asdic_context *ctx, const char *path, const char **columns) {
     char *text = NULL;
-    size_t bytes;
+    size_t bytes, number = 1;
     TRY(asdic_file_read(ctx, path, MAX_CAST_BYTES, &text, &bytes));
     char *line = text + asdic_utf8_mark(text, bytes);
     while (line && (line[strspn(line, " \t\r")] == '\n' || *line == '#')) {
         line = strchr(line, '\n');
         line = line ? line + 1 : NULL;
+        number++;
     }
     if (line) {
         line[strcspn(line, "\n")] = '\0';
     }
-    *columns = !line                             ? NULL
-               : strstr(line, "sound_speed_mps") ? column_names[0]
-               : strstr(line, "salinity_ppt")    ? column_names[2]
-                                                 : column_names[1];
+    bool has_temperature = line && strstr(line, "temperature_degc");
+    bool has_speed = !line || !*line || strstr(line, "sound_speed_mps");
+    *columns = column_names[has_speed ? 0 : strstr(line, "salinity_ppt") ? 2 : 1];
     free(text);
+    if (!has_speed && !has_temperature) {
+        return asdic_fail(
+            ctx, ASDIC_ERROR_INPUT,
+            "%s:%zu: neither a column 'sound_speed_mps' nor 'temperature_degc'; the header is "
+            "depth_m,sound_speed_mps or depth_m,temperature_degc[,salinity_ppt], in any order",
+            path, number);
+    }
     return ASDIC_OK;
 }
 
@@ -164,7 +171,6 @@ static asdic_status read_cast(cast_reader *r, asdic_yaml_node *named) {
     size_t *lines = NULL, count = 0;
     asdic_status status = find_columns(r->b->ctx, r->path, &columns);
     if (status == ASDIC_OK) {
-        columns = columns ? columns : column_names[0];
         r->is_speed = columns == column_names[0];
         r->width = columns == column_names[2] ? 3 : 2;
         status = asdic_columns_read(r->b->ctx, r->path, columns, &rows, &lines, &count);

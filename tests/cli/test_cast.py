@@ -103,7 +103,10 @@ def test_errors_name_the_line():
                 (head + "-1,1490\n5,1480\n", 2, "'depth_m' = -1 is out of range [0, 11000] m"),
                 ("depth_m,temperature_degc\n0,20\n5,50\n", 3, "'temperature_degc' = 50 is out of range [-2, 40]"),
                 (head + "0,1490\n5,warm\n", 3, "'sound_speed_mps' = warm"),
-                ("depth,speed\n0,1490\n", 1, "missing column 'depth_m'"),
+                ("depth,sound_speed_mps\n0,1490\n", 1, "missing column 'depth_m'"),
+                ("# C\n\nDepth_m,Sound_Speed_mps\n0,1490\n", 3,
+                 "neither a column 'sound_speed_mps' nor 'temperature_degc'; the header is depth_m,sound_speed_mps or "
+                 "depth_m,temperature_degc[,salinity_ppt], in any order"),
                 ("depth_m;sound_speed_mps\n0;1490\n5;1480\n", 1, "separated by semicolons; they must be by commas"),
                 (head + "0,1490,5\n5,1485,5\n", 2, "3 fields, but the header has 2")):
             err = refused(folder, FILE, cast)
