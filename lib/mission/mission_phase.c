@@ -62,6 +62,22 @@ static const char *fringed(const asdic_mission *mission, const asdic_law_water *
     return NULL;
 }
 
+/* Whether a beam, steered by the sine U from the array's front, hears another direction in phase as well: that of
+ * U less a whole turn between elements. */
+static bool has_grating_lobes(const asdic_sonar *sonar, double wavelength_m) {
+    const asdic_array *a = &sonar->array;
+    asdic_mat3 element =
+        asdic_mat3_attitude(a->element.roll_rad, -a->element.pitch_rad, a->element.yaw_rad);
+    asdic_vec3 line = {element.m[0][1], element.m[1][1], element.m[2][1]};
+    asdic_pose level = {0};
+    double farthest = 0.0;
+    for (size_t i = 0; i < sonar->receiver_count; i++) {
+        double sine = asdic_vec3_dot(asdic_beam_axis(&sonar->receivers[i], &level), line);
+        farthest = fmax(farthest, fabs(sine));
+    }
+    return a->elements > 0 && wavelength_m / a->spacing_m < 1.0 + farthest;
+}
+
 bool asdic_mission_needs_phase(const asdic_mission *mission, char *reason, size_t size) {
     if (!mission) {
         snprintf(reason, size, "there is no mission");
@@ -74,17 +90,21 @@ bool asdic_mission_needs_phase(const asdic_mission *mission, char *reason, size_
     double cell_m = 0.5 * column.sound_speed_mps / s->sonar.bandwidth_hz;
     const asdic_part *smooth = smooth_part(mission, &water);
     const char *image = fringed(mission, &water, cell_m);
+    bool grating = has_grating_lobes(&s->sonar, column.wavelength_m);
     bool shaded = s->sonar.array.elements > 0 && s->sonar.array.shading != ASDIC_SHADING_NONE;
     if (smooth) {
         snprintf(reason, size, "'%s' is smooth: its side lobes have phase", smooth->name);
     } else if (image) {
         snprintf(reason, size, "'%s' and its image in the surface are in one cell, and interfere",
                  image);
+    } else if (grating) {
+        snprintf(reason, size,
+                 "the array's elements are so far apart that its beams have grating lobes");
     } else if (shaded) {
         snprintf(reason, size, "the side lobes of a shaded array are not those of an aperture");
     } else {
         snprintf(reason, size,
                  "nothing here interferes but scatterers, whose speckle can be drawn");
     }
-    return smooth || image || shaded;
+    return smooth || image || grating || shaded;
 }

@@ -421,6 +421,44 @@ static void phase_is_needed_where_echoes_interfere(void **state) {
     }
 }
 
+/* A beam at the sine u has a grating lobe at u - 1 / spacing, where that is above -1. */
+static void phase_is_needed_where_beams_have_grating_lobes(void **state) {
+    const workshop *w = *state;
+    static const char none[] = "nothing here interferes", grating[] = "grating lobes";
+    static const char shaded[] = "a shaded array";
+    static const struct {
+        const char *array, *reason;
+    } cases[] = {
+        {"spacing_wl: 0.5, beams: {count: 90, sector_deg: 180}", none},
+        {"spacing_wl: 0.5, beams: {count: 90, sector_deg: 180}, shading: hann", shaded},
+        /* One beam straight ahead: at 1 wavelength the lobes lie along the line. */
+        {"spacing_wl: 0.99, beams: {count: 1, sector_deg: 60}", none},
+        {"spacing_wl: 1.01, beams: {count: 1, sector_deg: 60}", grating},
+        /* The outer of two beams look 30 degrees aside: 1 / 1.5 wavelengths. */
+        {"spacing_wl: 0.66, beams: {count: 2, sector_deg: 120}", none},
+        {"spacing_wl: 0.675, beams: {count: 2, sector_deg: 120}", grating},
+        {"spacing_wl: 0.66, beams: {count: 2, sector_deg: 120}, yaw_deg: 70, pitch_deg: 40", none},
+        {"spacing_wl: 0.675, beams: {count: 2, sector_deg: 120}, yaw_deg: 70, roll_deg: 50",
+         grating},
+        {"spacing_wl: 1.5, beams: {count: 2, sector_deg: 120}, shading: hann", grating},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[1000], path[128], reason[200];
+        snprintf(text, sizeof text,
+                 "version: 1\nbottom: {depth_m: 12}\nmission: {pose: {position_m: [0, 0, 2]}}\n"
+                 "sonar: {frequency_khz: 100, array: {elements: 32, %s}}\n",
+                 cases[i].array);
+        write_file(w, "scene.yaml", text);
+        snprintf(path, sizeof path, "%s/scene.yaml", w->folder);
+        asdic_mission *m = NULL;
+        assert_int_equal(asdic_mission_load(w->ctx, path, &m), ASDIC_OK);
+        bool needs = asdic_mission_needs_phase(m, reason, sizeof reason);
+        assert_contains(reason, cases[i].reason);
+        assert_int_equal(needs, cases[i].reason != none);
+        asdic_mission_destroy(&m);
+    }
+}
+
 static void flat_bottom_and_rest(void **state) {
     const workshop *w = *state;
     asdic_mission *m = load(w, "{depth_m: 12, type: 2.5}",
@@ -761,6 +799,7 @@ int main(void) {
         cmocka_unit_test(remarks_are_as_many_as_there_is_room),
         cmocka_unit_test(rays_that_turn_are_remarked),
         cmocka_unit_test(phase_is_needed_where_echoes_interfere),
+        cmocka_unit_test(phase_is_needed_where_beams_have_grating_lobes),
         cmocka_unit_test(laws_leave_open_what_their_sources_state),
         cmocka_unit_test(drawn_rays_obey_snell),
         cmocka_unit_test(rays_in_a_channel_are_drawn_to_their_end),
