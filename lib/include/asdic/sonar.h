@@ -63,7 +63,7 @@ typedef struct asdic_sonar {
     bool noise_directivity;      /* less by the receiver's directivity */
     asdic_speckle speckle;
     double speckle_shape; /* of K: nu, 0.05 or more; small is spiky */
-    double rear_floor_db; /* two-sided leak behind the face, dB re on-axis; -INFINITY: none */
+    double rear_floor_db; /* leak behind faces, dB re the same angle in front; -INFINITY: none */
     double max_range_m;   /* nothing farther is received; NAN: as far as the ping rate lets */
     asdic_array array;
 } asdic_sonar;

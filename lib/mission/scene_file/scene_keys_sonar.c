@@ -155,7 +155,7 @@ static const asdic_key sonar_keys[] = {
      .doc = "shape of K-distributed speckle; large is Rayleigh"},
     {"rear_floor_db", ASDIC_KEY_NUMBER, SONAR(rear_floor_db), .unit = "dB", .min = -200, .max = 0,
      .words = rear_words, .fallback = "none",
-     .doc = "what leaks in and out behind the apertures, re on-axis"},
+     .doc = "what leaks in and out behind the apertures, re the same angle in front"},
 };
 const asdic_table asdic_sonar_table = {TABLE(sonar_keys, file_sonar), .doc = "the sonar"};
 
