@@ -6,8 +6,11 @@
 #include "base/context.h"
 #include "base/try.h"
 #include "base/vec.h"
-#include "sim/bent_ray.h"
+#include "scene/scene.h"
+#include "sim/eigenray.h"
+#include "sim/environment.h"
 #include "sim/expected.h"
+#include "sim/ring.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -18,6 +21,9 @@
 #define PLACES 5
 #define BEAMS 3
 #define SAFETY 1.25
+
+/* Objects whose echoes are compared, at most. */
+#define TARGETS 32
 
 /* Where nothing is below the sonar, or beside it. */
 #define REACH_M 10.0
@@ -124,6 +130,103 @@ static asdic_status compare(comparison *c, const asdic_expected_place *at,
     return ASDIC_OK;
 }
 
+/* ---- Echoes of objects ---- */
+
+/* The direct ray to an object's middle that spreads least. */
+typedef struct sight {
+    asdic_vec3 leaves; /* unit vector */
+    double lin;        /* of what comes back from there; 0: none, in a shadow */
+    double range_m;    /* at which it is heard */
+} sight;
+
+static sight look(const comparison *c, asdic_refraction form, asdic_vec3 from_m, asdic_vec3 to_m) {
+    asdic_environment env = in_form(asdic_mission_environment(c->mission), form, &c->span);
+    double top_m = c->mission->scene->has_surface ? 0.0 : -INFINITY;
+    asdic_vec3 way_m = asdic_vec3_sub(to_m, from_m);
+    double across_m = hypot(way_m.x, way_m.y);
+    asdic_layers layers;
+    asdic_eigenray rays[ASDIC_MOST_EIGENRAYS];
+    asdic_layers_of(&env, from_m.z, &layers);
+    size_t count = asdic_eigenrays_find(&layers, from_m.z, to_m.z, across_m, rays);
+    for (size_t i = 0; i < count; i++) {
+        if (asdic_eigenray_keeps_between(&layers, from_m.z, across_m, &rays[i], top_m, INFINITY)) {
+            double range_m = asdic_environment_sound_speed_mps(&env, from_m.z) * rays[i].end.time_s;
+            double spread = asdic_bent_ray_limited_m2(&rays[i].end, range_m);
+            double level = across_m > 0.0 ? cos(rays[i].elevation_rad) / across_m : 0.0;
+            asdic_vec3 leaves = {level * way_m.x, level * way_m.y, sin(rays[i].elevation_rad)};
+            return (sight){leaves, 1.0 / (spread * spread), range_m};
+        }
+    }
+    return (sight){.lin = 0.0};
+}
+
+/* By how much what BEAM hears of A would change were it B. */
+static double sight_change_db(double gain_a, const sight *a, double gain_b, const sight *b,
+                              double bin_m) {
+    double x = gain_a * a->lin, y = gain_b * b->lin;
+    if (!(x > 0.0) && !(y > 0.0)) {
+        return 0.0;
+    }
+    /* Of an echo that comes later a share goes into the next bin. */
+    double later = x > 0.0 && y > 0.0 ? fabs(a->range_m - b->range_m) / bin_m : 0.0;
+    return fabs(10.0 * log10(y / x)) + 10.0 * log10(1.0 + later);
+}
+
+/* What an object at TO does in the beam that hears it best. */
+static void compare_target(const comparison *c, const asdic_pose *pose, asdic_vec3 to_m,
+                           asdic_refraction_plan *out) {
+    const asdic_sonar *sonar = asdic_mission_sonar(c->mission);
+    asdic_water_column water =
+        asdic_water_column_at(asdic_mission_environment(c->mission), sonar, pose->position_m.z);
+    double rear_lin = pow(10.0, 0.1 * sonar->rear_floor_db), best = -1.0;
+    double gains[ASDIC_REFRACTION_OFF + 1] = {0};
+    sight sights[ASDIC_REFRACTION_OFF + 1];
+    for (int form = 0; form <= ASDIC_REFRACTION_OFF; form++) {
+        sights[form] = look(c, (asdic_refraction)form, pose->position_m, to_m);
+    }
+    /* In a shadow there is a beam that would hear it. */
+    int best_form = sights[0].lin > 0.0 ? ASDIC_REFRACTION_FULL : ASDIC_REFRACTION_OFF;
+    asdic_face transmitter = asdic_face_aim(&sonar->transmitter, pose, water.wavelength_m);
+    for (size_t b = 0; b < sonar->receiver_count; b++) {
+        asdic_face receiver = asdic_face_aim(&sonar->receivers[b], pose, water.wavelength_m);
+        double heard = asdic_face_gain(&receiver, sights[best_form].leaves, rear_lin);
+        if (heard > best) {
+            best = heard;
+            for (int form = 0; form <= ASDIC_REFRACTION_OFF; form++) {
+                gains[form] = asdic_face_gain(&transmitter, sights[form].leaves, rear_lin) *
+                              asdic_face_gain(&receiver, sights[form].leaves, rear_lin);
+            }
+        }
+    }
+    double *bounds[] = {
+        [ASDIC_REFRACTION_LAYER] = &out->layer_db, [ASDIC_REFRACTION_OFF] = &out->off_db};
+    for (int form = ASDIC_REFRACTION_LAYER; form <= ASDIC_REFRACTION_OFF; form++) {
+        double change =
+            sight_change_db(gains[0], &sights[0], gains[form], &sights[form], sonar->bin_length_m);
+        *bounds[form] = fmax(*bounds[form], SAFETY * change);
+    }
+}
+
+static void compare_targets(const comparison *c, size_t ping, double range_m,
+                            asdic_refraction_plan *out) {
+    asdic_pose pose = asdic_mission_pose(c->mission, ping, NULL);
+    size_t count = asdic_mission_object_count(c->mission), step = count / TARGETS + 1;
+    for (size_t i = 0; i < count; i += step) {
+        const asdic_mission_object *o = asdic_mission_get_object(c->mission, i);
+        asdic_vec3 middle_m = {0.5 * (o->min_m.x + o->max_m.x), 0.5 * (o->min_m.y + o->max_m.y),
+                               0.5 * (o->min_m.z + o->max_m.z)};
+        asdic_vec3 at_m =
+            o->moves ? asdic_mission_object_pose(c->mission, i, ping).position_m : middle_m;
+        bool is_bottom = o->name[0] == 0;
+        double away_m = asdic_vec3_length(asdic_vec3_sub(at_m, pose.position_m));
+        if (!is_bottom && away_m > 0.0 && away_m <= range_m) {
+            compare_target(c, &pose, at_m, out);
+        }
+    }
+}
+
+/* ---- The choice ---- */
+
 /* The place of PING, for what is expected there. */
 static asdic_expected_place place_at(const comparison *c, size_t ping) {
     asdic_flat_scene flat = asdic_mission_flat_scene(c->mission, ping);
@@ -142,6 +245,7 @@ static asdic_status compare_places(comparison *c, asdic_refraction_plan *out) {
     for (size_t i = 0; i < PLACES; i++) {
         size_t ping = i == 0 ? c->span.shallow : i == 1 ? c->span.deep : (i - 2) * (count - 1) / 2;
         bool is_new = true;
+        compare_targets(c, ping, (double)bins * c->sonar.bin_length_m, out);
         places[i] = place_at(c, ping);
         for (size_t k = 0; k < i; k++) {
             is_new = is_new && !asdic_expected_is_near(&places[k], &places[i], 0.0, 0.0);

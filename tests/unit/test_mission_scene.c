@@ -531,6 +531,81 @@ static void refraction_is_as_much_as_is_needed(void **state) {
     }
 }
 
+static double face_db(double length_wl, double sine) {
+    double x = acos(-1.0) * length_wl * sine;
+    return 20.0 * log10(sin(x) / x);
+}
+
+/* Open water whose expected levels hardly know of a gradient of 0.1 1/s; a point level with the sonar, ACROSS_M
+ * away, is seen along a circle of the radius c / (g cos theta), through the upper flanks of faces 0.5 m high. */
+static double point_change_db(double across_m) {
+    const double speed_mps = 1505.0, gradient_per_s = 0.1, length_wl = 0.5 * 100e3 / speed_mps;
+    double elevation = atan(0.5 * gradient_per_s * across_m / speed_mps);
+    double faces_db = 2.0 * face_db(length_wl, sin(elevation));
+    double spread_db = 40.0 * log10(cos(elevation)); /* S = (across / cos theta)^2, both ways */
+    double range_m = speed_mps / gradient_per_s *
+                     asinh(gradient_per_s * across_m / (speed_mps * cos(elevation)));
+    return fabs(faces_db + spread_db) + 10.0 * log10(1.0 + fabs(across_m - range_m) / 0.5);
+}
+
+static void refraction_heeds_objects(void **state) {
+    workshop *w = *state;
+#define STAYS "{pose: {position_m: [0, 0, 50]}}"
+    static const struct {
+        const char *object, *mission;
+        double across_m; /* 0: nothing to heed */
+    } cases[] = {{"point: 10, position_m: [250, 0, 50]", STAYS, 250.0},
+                 {"point: 10, position_m: [0, -120, 50]",
+                  "{pose: {position_m: [0, 0, 50], yaw_deg: -90}}", 120.0},
+                 {"sphere: {radius_m: 1}, position_m: [247.5, 35.27, 50]", STAYS, 250.0},
+                 {"point: 10, track: object.csv", "{track: sonar.csv}", 250.0},
+                 {"point: 10, position_m: [320, 0, 50]", STAYS, 0.0},
+                 {"point: 10, position_m: [10, 0, 50]", STAYS, 0.0}};
+    write_track(w, "sonar.csv", "0,0,0,50,0,0,0\n4,0,0,50,0,0,0\n");
+    write_track(w, "object.csv", "0,500,0,50,0,0,0\n4,250,0,50,0,0,0\n");
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[1024];
+        asdic_refraction_plan plan;
+        snprintf(
+            text, sizeof text,
+            "version: 1\nenvironment: {sound_speed_profile: [[0, 1500], [1000, 1600]]}\n"
+            "surface: {enabled: false}\nbottom: none\nobjects: [{name: a, %s}]\nmission: %s\n"
+            "sonar: {frequency_khz: 100, ping_rate_hz: 2, max_range_m: 300, bin_length_m: 0.5,\n"
+            "  transmitter: {length_v_m: 0.5}, receivers: [{length_v_m: 0.5}]}\n",
+            cases[i].object, cases[i].mission);
+        asdic_mission *m = load_text(w, text);
+        assert_non_null(m);
+        assert_ok(w->ctx, asdic_mission_refraction(w->ctx, m, &plan));
+        bool heeded = cases[i].across_m > 0.0;
+        double change_db = heeded ? point_change_db(cases[i].across_m) : 0.0;
+        assert_int_equal(plan.needed, heeded ? ASDIC_REFRACTION_LAYER : ASDIC_REFRACTION_OFF);
+        assert_close(plan.off_db, 1.25 * change_db, 0.01);
+        assert_true(plan.layer_db < 0.001);
+        asdic_mission_destroy(&m);
+    }
+}
+
+/* Rays that turn away from the surface leave a shadow: 187 m away here, between 2 and 1 m deep. */
+static void a_shadow_hides_an_object(void **state) {
+    workshop *w = *state;
+    for (int across_m = 180; across_m <= 195; across_m += 15) {
+        char text[1024];
+        asdic_refraction_plan plan;
+        snprintf(
+            text, sizeof text,
+            "version: 1\nenvironment: {sound_speed_profile: [[0, 1500], [100, 1450]]}\n"
+            "bottom: none\nobjects: [{name: a, point: 10, position_m: [%d, 0, 1]}]\n"
+            "mission: {pose: {position_m: [0, 0, 2]}}\n"
+            "sonar: {frequency_khz: 100, ping_rate_hz: 2, max_range_m: 300, receivers: [{}]}\n",
+            across_m);
+        asdic_mission *m = load_text(w, text);
+        assert_non_null(m);
+        assert_ok(w->ctx, asdic_mission_refraction(w->ctx, m, &plan));
+        assert_int_equal(isinf(plan.off_db) != 0, across_m > 187);
+        asdic_mission_destroy(&m);
+    }
+}
+
 static void count_expectations(void *user, const char *what, size_t done, size_t total) {
     size_t *count = user;
     assert_true(done < total);
@@ -615,6 +690,8 @@ int main(void) {
         cmocka_unit_test(materials_read_their_files),
         cmocka_unit_test(range_is_that_of_the_sonars_depth),
         cmocka_unit_test(refraction_is_as_much_as_is_needed),
+        cmocka_unit_test(refraction_heeds_objects),
+        cmocka_unit_test(a_shadow_hides_an_object),
         cmocka_unit_test(forms_are_compared_once_at_a_place),
         cmocka_unit_test(auto_counts_rays_as_over_meshes),
         cmocka_unit_test(runs_take_what_is_the_same),

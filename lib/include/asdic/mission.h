@@ -235,7 +235,9 @@ typedef struct asdic_refraction_plan {
 
 /* Compares the forms by what is expected, over a flat bottom, at up to five places of the mission:
  * its shallowest and deepest, its first, middle and last; of up to three beams. The bound is 1.25
- * times the largest change of a total level there, noise included where the sonar has it. */
+ * times the largest change of a total level there, noise included where the sonar has it, or of
+ * the echo from the middle of one of up to 32 objects, in the beam that hears it best; INFINITY
+ * where a form moves an object out of a shadow, or into one. */
 ASDIC_API asdic_status asdic_mission_refraction(asdic_context *ctx, const asdic_mission *mission,
                                                 asdic_refraction_plan *out);
 
