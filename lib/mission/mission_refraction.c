@@ -257,16 +257,27 @@ static asdic_status compare_places(comparison *c, asdic_refraction_plan *out) {
     return ASDIC_OK;
 }
 
+/* What a form does that leaves out what changes levels by DB. */
+static void say_change(char *text, size_t size, double db) {
+    if (isinf(db)) {
+        snprintf(text, size, "move an object into or out of a shadow");
+    } else {
+        snprintf(text, size, "change a level by up to %.3g dB", db);
+    }
+}
+
 static void choose(asdic_refraction_plan *out) {
     bool none = out->off_db <= ASDIC_REFRACTION_NEGLIGIBLE_DB;
     bool one = out->layer_db <= ASDIC_REFRACTION_NEGLIGIBLE_DB;
+    char straight[48], layer[48];
     out->needed = none  ? ASDIC_REFRACTION_OFF
                   : one ? ASDIC_REFRACTION_LAYER
                         : ASDIC_REFRACTION_FULL;
+    say_change(straight, sizeof straight, out->off_db);
+    say_change(layer, sizeof layer, out->layer_db);
     snprintf(out->reason, sizeof out->reason,
-             "straight rays would change a level by up to %.3g dB, one layer fitted from %.4g to "
-             "%.4g m by up to %.3g dB",
-             out->off_db, out->layer_from_m, out->layer_to_m, out->layer_db);
+             "straight rays would %s, one layer fitted from %.4g to %.4g m would %s", straight,
+             out->layer_from_m, out->layer_to_m, layer);
 }
 
 asdic_status asdic_mission_refraction(asdic_context *ctx, const asdic_mission *mission,

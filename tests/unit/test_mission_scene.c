@@ -513,7 +513,8 @@ static void refraction_is_as_much_as_is_needed(void **state) {
             assert_close(plan.off_db, 1.25 * off_db, 1e-6);
             assert_close(plan.layer_db, 1.25 * layer_db, 1e-6);
             snprintf(text, sizeof text,
-                     "up to %.3g dB, one layer fitted from %g to %g m by up to %.3g dB",
+                     "up to %.3g dB, one layer fitted from %g to %g m would change a level by up "
+                     "to %.3g dB",
                      plan.off_db, cases[i].span_m[0], cases[i].span_m[1], plan.layer_db);
             assert_contains(plan.reason, text);
         } else {
@@ -602,6 +603,10 @@ static void a_shadow_hides_an_object(void **state) {
         assert_non_null(m);
         assert_ok(w->ctx, asdic_mission_refraction(w->ctx, m, &plan));
         assert_int_equal(isinf(plan.off_db) != 0, across_m > 187);
+        assert_int_equal(
+            strstr(plan.reason, "straight rays would move an object into or out of a shadow") !=
+                NULL,
+            across_m > 187);
         asdic_mission_destroy(&m);
     }
 }
