@@ -812,8 +812,10 @@ def test_beams_straight_down_make_no_fan():
         beams = "".join(f"\n    - {{name: b{i}, pitch_deg: 90, yaw_deg: {20 * i - 40}}}" for i in range(5))
         run_of(folder, pings=1, edits={"\n    - {name: forward}\n    - {name: down, pitch_deg: 45}": beams})
         tap.equal([name for name in pictures(folder, "r") if name.startswith("fan_")], [], "fan pictures")
-        done = asdic("render", folder / "r", "--images", "fan")
+        done = asdic("render", folder / "r", "--images", "fan").check(code=2)
         tap.contains(done.err, "no fan picture: it needs three beams or more at ascending bearings")
+        tap.contains(done.err, "error: ")
+        asdic("render", folder / "r", "--images", "fan,ascope").check(code=0)
 
 
 def test_vector_pictures():

@@ -353,8 +353,9 @@ def test_one_ping_has_no_time_to_draw():
         path = scene(folder, pings=3)
         asdic("run", path, "-o", folder / "r", "--pings", "0:1").check(code=0)
         tap.equal([n for n in pictures(folder, "r") if "ascope" not in n], [], "pictures")
-        done = asdic("render", folder / "r", "--images", "waterfall,overview").check(code=0)
+        done = asdic("render", folder / "r", "--images", "waterfall,overview").check(code=2)
         tap.contains(done.err, "no waterfall, no overview: they need two pings or more")
+        tap.contains(done.err, "has nothing for any picture that is asked for")
         tap.equal([n for n in pictures(folder, "r") if "ascope" not in n], [], "by name")
 
 

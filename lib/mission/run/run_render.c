@@ -213,6 +213,10 @@ static asdic_status plan(asdic_render *r) {
     }
     TRY(check_choice(r));
     drop_impossible(r);
+    if (r->options.images && !r->images && !r->options.raw) {
+        return asdic_fail(r->ctx, ASDIC_ERROR_ARGUMENT,
+                          "'%s' has nothing for any picture that is asked for", r->run->folder);
+    }
     r->plan = (asdic_summary_plan){.sonar = r->info.sonar,
                                    .environment = r->info.environment,
                                    .pings = r->info.pings,
