@@ -152,8 +152,8 @@ static sight look(const comparison *c, asdic_refraction form, asdic_vec3 from_m,
         if (asdic_eigenray_keeps_between(&layers, from_m.z, across_m, &rays[i], top_m, INFINITY)) {
             double range_m = asdic_environment_sound_speed_mps(&env, from_m.z) * rays[i].end.time_s;
             double spread = asdic_bent_ray_limited_m2(&rays[i].end, range_m);
-            double level = across_m > 0.0 ? cos(rays[i].elevation_rad) / across_m : 0.0;
-            asdic_vec3 leaves = {level * way_m.x, level * way_m.y, sin(rays[i].elevation_rad)};
+            double aside = across_m > 0.0 ? cos(rays[i].elevation_rad) / across_m : 0.0;
+            asdic_vec3 leaves = {aside * way_m.x, aside * way_m.y, sin(rays[i].elevation_rad)};
             return (sight){leaves, 1.0 / (spread * spread), range_m};
         }
     }
@@ -210,7 +210,8 @@ static void compare_target(const comparison *c, const asdic_pose *pose, asdic_ve
 static void compare_targets(const comparison *c, size_t ping, double range_m,
                             asdic_refraction_plan *out) {
     asdic_pose pose = asdic_mission_pose(c->mission, ping, NULL);
-    size_t count = asdic_mission_object_count(c->mission), step = count / TARGETS + 1;
+    size_t count = asdic_mission_object_count(c->mission);
+    size_t step = (count + TARGETS - 1) / TARGETS;
     for (size_t i = 0; i < count; i += step) {
         const asdic_mission_object *o = asdic_mission_get_object(c->mission, i);
         asdic_vec3 middle_m = {0.5 * (o->min_m.x + o->max_m.x), 0.5 * (o->min_m.y + o->max_m.y),

@@ -3,6 +3,7 @@
  */
 #include "mission_rig.h"
 
+#include "base/text.h"
 #include "mission/mission.h"
 #include "scene/scene.h"
 
@@ -586,6 +587,31 @@ static void refraction_heeds_objects(void **state) {
     }
 }
 
+/* The 32nd of so many points is the only one far away; of 33 every second one is looked at. */
+static void of_many_objects_some_are_heeded(void **state) {
+    workshop *w = *state;
+    for (int count = 32; count <= 33; count++) {
+        asdic_text text = {0};
+        asdic_refraction_plan plan;
+        asdic_text_add(&text,
+                       "version: 1\n"
+                       "environment: {sound_speed_profile: [[0, 1500], [1000, 1600]]}\n"
+                       "surface: {enabled: false}\nbottom: none\nmission: " STAYS "\nobjects:\n");
+        for (int i = 0; i < count; i++) {
+            asdic_text_format(&text, "  - {point: 10, position_m: [%d, 0, 50]}\n",
+                              i == 31 ? 250 : 10);
+        }
+        asdic_text_add(&text, "sonar: {frequency_khz: 100, ping_rate_hz: 2, max_range_m: 300,\n"
+                              "  transmitter: {length_v_m: 0.5}, receivers: [{}]}\n");
+        asdic_mission *m = load_text(w, text.data);
+        assert_non_null(m);
+        assert_ok(w->ctx, asdic_mission_refraction(w->ctx, m, &plan));
+        assert_int_equal(plan.needed, count == 32 ? ASDIC_REFRACTION_LAYER : ASDIC_REFRACTION_OFF);
+        asdic_mission_destroy(&m);
+        asdic_text_finish(&text);
+    }
+}
+
 /* Rays that turn away from the surface leave a shadow: 187 m away here, between 2 and 1 m deep. */
 static void a_shadow_hides_an_object(void **state) {
     workshop *w = *state;
@@ -696,6 +722,7 @@ int main(void) {
         cmocka_unit_test(range_is_that_of_the_sonars_depth),
         cmocka_unit_test(refraction_is_as_much_as_is_needed),
         cmocka_unit_test(refraction_heeds_objects),
+        cmocka_unit_test(of_many_objects_some_are_heeded),
         cmocka_unit_test(a_shadow_hides_an_object),
         cmocka_unit_test(forms_are_compared_once_at_a_place),
         cmocka_unit_test(auto_counts_rays_as_over_meshes),
