@@ -547,7 +547,7 @@ static double point_change_db(double across_m) {
     double spread_db = 40.0 * log10(cos(elevation)); /* S = (across / cos theta)^2, both ways */
     double range_m = speed_mps / gradient_per_s *
                      asinh(gradient_per_s * across_m / (speed_mps * cos(elevation)));
-    return fabs(faces_db + spread_db) + 10.0 * log10(1.0 + fabs(across_m - range_m) / 0.5);
+    return fabs(faces_db + spread_db) + 10.0 * log10(1.0 + fabs(across_m - range_m) / 5.0);
 }
 
 static void refraction_heeds_objects(void **state) {
@@ -568,13 +568,12 @@ static void refraction_heeds_objects(void **state) {
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char text[1024];
         asdic_refraction_plan plan;
-        snprintf(
-            text, sizeof text,
-            "version: 1\nenvironment: {sound_speed_profile: [[0, 1500], [1000, 1600]]}\n"
-            "surface: {enabled: false}\nbottom: none\nobjects: [{name: a, %s}]\nmission: %s\n"
-            "sonar: {frequency_khz: 100, ping_rate_hz: 2, max_range_m: 300, bin_length_m: 0.5,\n"
-            "  transmitter: {length_v_m: 0.5}, receivers: [{length_v_m: 0.5}]}\n",
-            cases[i].object, cases[i].mission);
+        snprintf(text, sizeof text,
+                 "version: 1\nenvironment: {sound_speed_profile: [[0, 1500], [1000, 1600]]}\n"
+                 "surface: {enabled: false}\nbottom: none\nobjects: [{name: a, %s}]\nmission: %s\n"
+                 "sonar: {frequency_khz: 100, ping_rate_hz: 2, max_range_m: 300, bin_length_m: 5,\n"
+                 "  transmitter: {length_v_m: 0.5}, receivers: [{length_v_m: 0.5}]}\n",
+                 cases[i].object, cases[i].mission);
         asdic_mission *m = load_text(w, text);
         assert_non_null(m);
         assert_ok(w->ctx, asdic_mission_refraction(w->ctx, m, &plan));
@@ -601,8 +600,9 @@ static void of_many_objects_some_are_heeded(void **state) {
             asdic_text_format(&text, "  - {point: 10, position_m: [%d, 0, 50]}\n",
                               i == 31 ? 250 : 10);
         }
-        asdic_text_add(&text, "sonar: {frequency_khz: 100, ping_rate_hz: 2, max_range_m: 300,\n"
-                              "  transmitter: {length_v_m: 0.5}, receivers: [{}]}\n");
+        asdic_text_add(&text,
+                       "sonar: {frequency_khz: 100, ping_rate_hz: 2, max_range_m: 300,\n"
+                       "  bin_length_m: 5, transmitter: {length_v_m: 0.5}, receivers: [{}]}\n");
         asdic_mission *m = load_text(w, text.data);
         assert_non_null(m);
         assert_ok(w->ctx, asdic_mission_refraction(w->ctx, m, &plan));
@@ -618,13 +618,13 @@ static void a_shadow_hides_an_object(void **state) {
     for (int across_m = 180; across_m <= 195; across_m += 15) {
         char text[1024];
         asdic_refraction_plan plan;
-        snprintf(
-            text, sizeof text,
-            "version: 1\nenvironment: {sound_speed_profile: [[0, 1500], [100, 1450]]}\n"
-            "bottom: none\nobjects: [{name: a, point: 10, position_m: [%d, 0, 1]}]\n"
-            "mission: {pose: {position_m: [0, 0, 2]}}\n"
-            "sonar: {frequency_khz: 100, ping_rate_hz: 2, max_range_m: 300, receivers: [{}]}\n",
-            across_m);
+        snprintf(text, sizeof text,
+                 "version: 1\nenvironment: {sound_speed_profile: [[0, 1500], [100, 1450]]}\n"
+                 "bottom: none\nobjects: [{name: a, point: 10, position_m: [%d, 0, 1]}]\n"
+                 "mission: {pose: {position_m: [0, 0, 2]}}\n"
+                 "sonar: {frequency_khz: 100, ping_rate_hz: 2, max_range_m: 300, bin_length_m: 5,\n"
+                 "  receivers: [{}]}\n",
+                 across_m);
         asdic_mission *m = load_text(w, text);
         assert_non_null(m);
         assert_ok(w->ctx, asdic_mission_refraction(w->ctx, m, &plan));
