@@ -669,13 +669,21 @@ def test_a_mosaic_lies_where_it_says():
 
 def test_a_mosaic_is_the_mean_of_its_pings():
     """Cell by cell: the mean of the intensities, with gain, of the bins that lie there, of pings under way on two
-    headings, rolled and pitched."""
+    headings, rolled and pitched. The beams of a fan in one plane are bearings in that plane, those of a cone about
+    the sonar's z axis; of a level fan these are the same."""
+    for pitch_deg, shape in (0, "plane"), (30, "plane"), (30, "cone"):
+        check_mean(pitch_deg, shape)
+
+
+def check_mean(pitch_deg, shape):
+    tilt_deg = pitch_deg if shape == "plane" else 0
     with Folder() as folder:
         folder.write("way.csv", "time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n0,3,26,5,6,-4,0\n0.05,3,28,4,6,-4,20\n"
                      "0.1,5,37,4,-8,5,110\n")
         run = run_of(folder, pings=3, edits={
             "  receivers:\n    - {name: forward}\n    - {name: down, pitch_deg: 45}":
-                "  receivers: {fan: {count: 12, sector_deg: 96, length_h_m: 0.2, length_v_m: 0.02}}\n  max_range_m: 30",
+                f"  receivers: {{fan: {{count: 12, sector_deg: 96, pitch_deg: {pitch_deg}, shape: {shape}, "
+                "length_h_m: 0.2, length_v_m: 0.02}}\n  max_range_m: 30",
             "mission: {pose: {position_m: [0, 0, 5]}": f"mission: {{track: {folder / 'way.csv'}"})
         asdic("render", run, "--mosaic", folder / "m.png", "--cell", "0.8", "--colormap", "gray").check(code=0, out="")
         said = asdic("model", "absorption", "t_degc=10", "s_ppt=35", "z_m=5", "ph=8", "f_khz=100").check(code=0).out
@@ -700,6 +708,8 @@ for p in pings:
     ahead = np.array([np.cos(yaw) * np.cos(pitch), np.sin(yaw) * np.cos(pitch), -np.sin(pitch)])
     level = np.array([-np.sin(yaw), np.cos(yaw), 0.0])  # to starboard, before the roll
     starboard = np.cos(roll) * level + np.sin(roll) * np.cross(ahead, level)
+    tilt = np.radians({tilt_deg})
+    ahead = np.cos(tilt) * ahead + np.sin(tilt) * np.cross(ahead, starboard)
     beam = (np.degrees(np.arctan2(way @ starboard, way @ ahead)) + 48.0) / 8.0
     seen = (r < reach) & (beam > 0) & (beam < 12)
     clear &= (abs(r - np.rint(r)) > 1e-4) & (abs(beam - np.rint(beam)) > 1e-4)

@@ -25,6 +25,8 @@
 #define EMPTY_RGB 0xffffffu
 /* A fan's floor falls as the sound spreads both ways, less the growth of what a bin covers. */
 #define DB_PER_DECADE 30.0
+/* Of uprights that are the same but for the digits of a file: a twentieth of a degree. */
+#define SAME_UPRIGHT_COSINE (1.0 - 4e-7)
 
 typedef struct mosaic {
     asdic_context *ctx;
@@ -37,14 +39,15 @@ typedef struct mosaic {
     size_t columns, rows;
     double *sum;     /* [row * columns + column], rows from south to north: intensities with gain */
     uint32_t *count; /* of pings that saw the cell */
-    double *edges_rad; /* of the beams */
+    asdic_mat3 fan;  /* its axes in the sonar's */
+    double *edges_rad; /* of the beams, bearings in the fan's axes */
     double db_per_decade, db_per_m;
     struct {
         size_t south, north, west, east; /* rows and columns; the last two are behind the last */
     } seen;                              /* what the picture shows: the box of all that was seen */
 } mosaic;
 
-/* Adds what RECORD, whose sonar has these AXES, heard from (NORTH_M, EAST_M) on the floor:
+/* Adds what RECORD, whose fan has these AXES, heard from (NORTH_M, EAST_M) on the floor:
  * the terrain, beside which there is none, or a plane as deep as straight below the vehicle. */
 static void add_cell(mosaic *m, const asdic_record *record, asdic_mat3 axes, size_t cell,
                      double north_m, double east_m) {
@@ -75,7 +78,8 @@ static void add_cell(mosaic *m, const asdic_record *record, asdic_mat3 axes, siz
 static void add_record(mosaic *m, const asdic_record *record) {
     const asdic_pose *pose = &record->pose;
     double x = pose->position_m.x, y = pose->position_m.y;
-    asdic_mat3 axes = asdic_mat3_attitude(pose->roll_rad, pose->pitch_rad, pose->yaw_rad);
+    asdic_mat3 axes = asdic_mat3_multiply(
+        asdic_mat3_attitude(pose->roll_rad, pose->pitch_rad, pose->yaw_rad), m->fan);
     double first_row = floor((x - m->range_m - m->south_m) / m->cell_m);
     double first_column = floor((y - m->range_m - m->west_m) / m->cell_m);
     size_t wide = (size_t)ceil(2.0 * m->range_m / m->cell_m) + 1;
@@ -213,12 +217,40 @@ static asdic_status write(mosaic *m, const char *path, const asdic_picture_optio
     return status == ASDIC_OK ? write_world(m, path) : status;
 }
 
+static asdic_mat3 axes_of(const asdic_beam *beam) {
+    return asdic_mat3_attitude(beam->roll_rad, -beam->pitch_rad, beam->yaw_rad);
+}
+
+/* A beam hears what lies upright to its aperture's horizontal side, at any height. The apertures of a fan
+ * in one plane have their uprights in common: a beam is a bearing about these, which is not one about
+ * the sonar's z axis if the plane is tilted. */
+static asdic_mat3 find_axes(const asdic_sonar *sonar) {
+    asdic_mat3 fan = axes_of(&sonar->receivers[sonar->receiver_count / 2]);
+    for (size_t b = 0; b < sonar->receiver_count; b++) {
+        asdic_mat3 beam = axes_of(&sonar->receivers[b]);
+        double cosine =
+            beam.m[0][2] * fan.m[0][2] + beam.m[1][2] * fan.m[1][2] + beam.m[2][2] * fan.m[2][2];
+        if (cosine < SAME_UPRIGHT_COSINE || fan.m[2][2] <= 0.0) { /* or upside down */
+            return asdic_mat3_attitude(0.0, 0.0, 0.0); /* a cone about the sonar's z axis */
+        }
+    }
+    return fan;
+}
+
 static asdic_status find_edges(mosaic *m) {
+    const asdic_sonar *sonar = m->info.sonar;
     double *bearing_rad = malloc(m->info.beams * sizeof *bearing_rad);
     m->edges_rad = malloc((m->info.beams + 1) * sizeof *m->edges_rad);
     bool good = bearing_rad && m->edges_rad;
+    m->fan = find_axes(sonar);
     for (size_t b = 0; good && b < m->info.beams; b++) {
-        bearing_rad[b] = m->info.sonar->receivers[b].yaw_rad;
+        asdic_mat3 beam = axes_of(&sonar->receivers[b]);
+        asdic_vec3 ahead = {beam.m[0][0], beam.m[1][0], beam.m[2][0]};
+        asdic_vec3 along = asdic_mat3_apply_inverse(m->fan, ahead);
+        bearing_rad[b] = atan2(along.y, along.x);
+        if (b > 0 && bearing_rad[b] < bearing_rad[b - 1]) { /* beams ascend, also past astern */
+            bearing_rad[b] += 2.0 * ASDIC_PI;
+        }
     }
     if (good) {
         asdic_fan_edges(&(asdic_fan){.bearing_rad = bearing_rad, .beams = m->info.beams},
