@@ -61,11 +61,16 @@ def test_a_turned_head_is_an_aimed_one():
 
 def test_poses_are_the_vehicles_with_the_head_beside():
     program.need_device()
+    for roll in 12, 0:
+        check_poses(roll)
+
+
+def check_poses(roll):
     with Folder() as folder:
-        asdic("run", scene(folder, "scan.yaml", CIRCLE), "-o", folder / "r").check(code=0)
+        asdic("run", scene(folder, "scan.yaml", CIRCLE, roll=roll), "-o", folder / "r").check(code=0)
         rows = list(csv.DictReader(data(folder, "r", "track.csv").decode().splitlines()))
         tap.equal(len(rows), 60, "one turn where no pings are given")
-        tap.equal({(r["roll_deg"], r["pitch_deg"], r["yaw_deg"]) for r in rows}, {("12", "-4", "30")},
+        tap.equal({(r["roll_deg"], r["pitch_deg"], r["yaw_deg"]) for r in rows}, {(str(roll), "-4", "30")},
                   "the vehicle at rest")
         tap.equal([float(r["head_deg"]) for r in rows], [6.0 * k - 180 for k in range(60)], "the head")
         tap.equal(facts(folder, "r")["scan"], {"directions": 60, "step_deg": 6, "circle": True}, "run.json")

@@ -280,9 +280,10 @@ fail:
 
 #define RADIANS (ASDIC_PI / 180.0)
 
-/* Not more digits than an attitude has, and few enough to be exact in text. */
+/* Not more digits than an attitude has, and few enough to be exact in text. A sum with 0 is never -0,
+ * which a scanned head that is turned back may leave of a vehicle's roll of 0. */
 static double nanodegrees(double angle_rad) {
-    return rint(angle_rad / RADIANS * 1e9) / 1e9;
+    return rint(angle_rad / RADIANS * 1e9) / 1e9 + 0.0;
 }
 
 double asdic_track_round(double angle_rad) {
