@@ -450,6 +450,14 @@ static void elements_need_coherent_pings(void **state) {
                 "[output.elements]\n");
 }
 
+static void coherent_pings_have_no_truth(void **state) {
+    (void)state;
+    expect_edit(RECEIVERS "mission:", ARRAY "output: {truth: true}\n" COHERENT,
+                "6:17: error: 'truth' = true is not known of coherent pings: leave 'truth' or "
+                "'coherent' out  [output.truth]\n");
+    expect_edit(RECEIVERS "mission:", ARRAY "output: {truth: false}\n" COHERENT, "");
+}
+
 static void waypoints_can_be_flown(void **state) {
     (void)state;
     const char *pose = "  pose: {position_m: [0, 0, 7]}";
@@ -563,6 +571,7 @@ int main(void) {
         cmocka_unit_test(arrays_are_checked),
         cmocka_unit_test(coherent_pings_are_checked),
         cmocka_unit_test(elements_need_coherent_pings),
+        cmocka_unit_test(coherent_pings_have_no_truth),
         cmocka_unit_test(waypoints_can_be_flown),
         cmocka_unit_test(all_errors_come_in_one_run_in_order),
         cmocka_unit_test(only_a_hundred_errors_are_shown),

@@ -255,6 +255,12 @@ static void check_coherent(const asdic_scene_file *file, asdic_problems *problem
                                "'speckle' has no effect on coherent pings, which have their own; "
                                "leave it out");
     }
+    asdic_yaml_node *truth = asdic_yaml_child(file->output.node, "truth");
+    if (truth && !truth->bad && file->output.truth) {
+        asdic_yaml_problem(problems, truth,
+                           "'truth' = true is not known of coherent pings: leave 'truth' or "
+                           "'coherent' out");
+    }
     bool bends = e->sound_speed_profile.count > 0 || e->sound_speed_gradient_per_s != 0.0;
     if (bends && file->model.refraction != ASDIC_REFRACTION_OFF) {
         asdic_yaml_problem(problems, here,
