@@ -355,7 +355,7 @@ def test_one_ping_has_no_time_to_draw():
         tap.equal([n for n in pictures(folder, "r") if "ascope" not in n], [], "pictures")
         done = asdic("render", folder / "r", "--images", "waterfall,overview").check(code=2)
         tap.contains(done.err, "no waterfall, no overview: they need two pings or more")
-        tap.contains(done.err, "has nothing for any picture that is asked for")
+        tap.contains(done.err, "none of the pictures asked for can be drawn of this run")
         tap.equal([n for n in pictures(folder, "r") if "ascope" not in n], [], "by name")
 
 

@@ -173,7 +173,7 @@ static asdic_status check_output(const asdic_render *r) {
             r->ctx, ASDIC_ERROR_UNSUPPORTED,
             "no PDF or SVG: built without cairo; install libcairo2-dev and build again");
     }
-    if (r->options.path && count == 0) {
+    if ((r->options.path || r->options.images) && count == 0) {
         return asdic_fail(r->ctx, ASDIC_ERROR_ARGUMENT,
                           "none of the pictures asked for can be drawn of this run; choose another "
                           "kind");
@@ -213,10 +213,6 @@ static asdic_status plan(asdic_render *r) {
     }
     TRY(check_choice(r));
     drop_impossible(r);
-    if (r->options.images && !r->images && !r->options.raw) {
-        return asdic_fail(r->ctx, ASDIC_ERROR_ARGUMENT,
-                          "'%s' has nothing for any picture that is asked for", r->run->folder);
-    }
     r->plan = (asdic_summary_plan){.sonar = r->info.sonar,
                                    .environment = r->info.environment,
                                    .pings = r->info.pings,
