@@ -2,6 +2,7 @@
 #include "view.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -17,6 +18,16 @@ static bool is_key(const char *name) {
 /* Keys that stop the mission's time, and so every key behind them: a user is needed to go on. */
 static bool is_pause(const char *name) {
     return strcmp(name, "space") == 0 || strcmp(name, ".") == 0;
+}
+
+static void refuse_key(cli *c, const char *name) {
+    char names[256] = "";
+    size_t used = 0;
+    const char *key;
+    for (size_t i = 0; (key = asdic_view_key_name(i, NULL)) != NULL && used < sizeof names; i++) {
+        used += (size_t)snprintf(names + used, sizeof names - used, " %s", key);
+    }
+    cli_usage(c, "--keys: there is no key '%s'; the keys are%s", name, names);
 }
 
 bool view_read_keys(view_job *job, const char *text) {
@@ -40,7 +51,7 @@ bool view_read_keys(view_job *job, const char *text) {
             return false;
         }
         if (!is_key(name + 1)) {
-            cli_usage(job->c, "--keys: there is no key '%s'", name + 1);
+            refuse_key(job->c, name + 1);
             return false;
         }
         if (job->is_offline && is_pause(name + 1)) {

@@ -339,6 +339,9 @@ def test_keys_and_mistakes():
         program.need_device()
         for keys in ("up", "1:nokey", "x:up", "2:up,1:up", "1:", "0:space", "0:up,0:."):
             view(scene, "--snapshot", "1", "--keys", keys, "-o", folder / "v", code=2)
+        tap.contains(view(scene, "--snapshot", "1", "--keys", "1:pgdn", "-o", folder / "v", code=2).err,
+                     "there is no key 'pgdn'; the keys are up down left right x pageup pagedown h a space . r b g v c "
+                     "t [ ] - = o p 1 2 3 4 k l n m q\n")
         view(scene, "--snapshot", "9", "--pings", "3", "-o", folder / "v", code=2)
         view(scene, "--y4m", folder / "no/such", code=1)
         kept = folder.write("kept.y4m", "a film")
