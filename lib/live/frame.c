@@ -8,6 +8,7 @@
 #include "loop.h"
 #include "out/png_file.h"
 #include "scene/chart.h"
+#include "sim/ring.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -109,9 +110,7 @@ static dev_cone_view cone_of(const asdic_view *view, const asdic_beam *beam, dou
                              double half_v_rad) {
     asdic_pose pose = asdic_view_sonar_pose(view), *p = &pose;
     asdic_mat3 body = asdic_mat3_attitude(p->roll_rad, p->pitch_rad, p->yaw_rad);
-    /* Positive pitch of a beam looks down. */
-    asdic_mat3 face = asdic_mat3_attitude(beam->roll_rad, -beam->pitch_rad, beam->yaw_rad);
-    asdic_mat3 turn = asdic_mat3_multiply(body, face);
+    asdic_mat3 turn = asdic_mat3_multiply(body, asdic_face_mount(beam));
     const double over[3] = {1.0, 1.0 / tan(fmin(half_h_rad, WIDEST_RAD)),
                             1.0 / tan(fmin(half_v_rad, WIDEST_RAD))};
     dev_cone_view cone = {.strength = 1.0f};

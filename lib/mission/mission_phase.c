@@ -6,6 +6,7 @@
 #include "base/vec.h"
 #include "scene/scene.h"
 #include "sim/environment.h"
+#include "sim/ring.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -66,8 +67,7 @@ static const char *fringed(const asdic_mission *mission, const asdic_law_water *
  * U less a whole turn between elements. */
 static bool has_grating_lobes(const asdic_sonar *sonar, double wavelength_m) {
     const asdic_array *a = &sonar->array;
-    asdic_mat3 element =
-        asdic_mat3_attitude(a->element.roll_rad, -a->element.pitch_rad, a->element.yaw_rad);
+    asdic_mat3 element = asdic_face_mount(&a->element);
     asdic_vec3 line = {element.m[0][1], element.m[1][1], element.m[2][1]};
     asdic_pose level = {0};
     double farthest = 0.0;

@@ -11,11 +11,13 @@ typedef struct arc {
     bool front_t, front_r; /* in front of the transmitter, of the receiver */
 } arc;
 
+asdic_mat3 asdic_face_mount(const asdic_beam *beam) {
+    return asdic_mat3_attitude(beam->roll_rad, -beam->pitch_rad, beam->yaw_rad);
+}
+
 asdic_face asdic_face_aim(const asdic_beam *beam, const asdic_pose *pose, double wavelength_m) {
     asdic_mat3 vehicle = asdic_mat3_attitude(pose->roll_rad, pose->pitch_rad, pose->yaw_rad);
-    /* A beam's positive pitch looks down, an attitude's positive pitch looks up. */
-    asdic_mat3 mount = asdic_mat3_attitude(beam->roll_rad, -beam->pitch_rad, beam->yaw_rad);
-    asdic_mat3 face_to_world = asdic_mat3_multiply(vehicle, mount);
+    asdic_mat3 face_to_world = asdic_mat3_multiply(vehicle, asdic_face_mount(beam));
     asdic_face face = {.length_h_wl = beam->length_h_m / wavelength_m,
                        .length_v_wl = beam->length_v_m / wavelength_m};
     for (int row = 0; row < 3; row++) {

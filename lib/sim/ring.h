@@ -16,6 +16,10 @@ typedef struct asdic_face {
     double length_h_wl, length_v_wl;
 } asdic_face;
 
+/* From an aperture's axes to the vehicle's. A beam's positive pitch looks down, an attitude's positive
+ * pitch looks up. */
+asdic_mat3 asdic_face_mount(const asdic_beam *beam);
+
 asdic_face asdic_face_aim(const asdic_beam *beam, const asdic_pose *pose, double wavelength_m);
 
 /* One-way gain in the direction of a unit vector of the world; behind the face REAR_LIN times that. */

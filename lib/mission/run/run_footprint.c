@@ -3,6 +3,7 @@
 #include "base/context.h"
 #include "base/vec.h"
 #include "sim/bent_ray.h"
+#include "sim/ring.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -40,7 +41,7 @@ double asdic_footprint_half_width_rad(double wavelength_m, double length_m) {
 static asdic_vec3 direction(const asdic_pose *pose, const asdic_beam *beam, double azimuth_rad,
                             double down_rad) {
     asdic_mat3 vehicle = asdic_mat3_attitude(pose->roll_rad, pose->pitch_rad, pose->yaw_rad);
-    asdic_mat3 aim = asdic_mat3_attitude(beam->roll_rad, -beam->pitch_rad, beam->yaw_rad);
+    asdic_mat3 aim = asdic_face_mount(beam);
     asdic_vec3 v = {cos(down_rad) * cos(azimuth_rad), cos(down_rad) * sin(azimuth_rad),
                     sin(down_rad)};
     return asdic_mat3_apply(vehicle, asdic_mat3_apply(aim, v));

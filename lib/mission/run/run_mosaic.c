@@ -14,6 +14,7 @@
 #include "run_chart_data.h"
 #include "run_footprint.h"
 #include "run_picture.h"
+#include "sim/ring.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -217,17 +218,13 @@ static asdic_status write(mosaic *m, const char *path, const asdic_picture_optio
     return status == ASDIC_OK ? write_world(m, path) : status;
 }
 
-static asdic_mat3 axes_of(const asdic_beam *beam) {
-    return asdic_mat3_attitude(beam->roll_rad, -beam->pitch_rad, beam->yaw_rad);
-}
-
 /* A beam hears what lies upright to its aperture's horizontal side, at any height. The apertures of a fan
  * in one plane have their uprights in common: a beam is a bearing about these, which is not one about
  * the sonar's z axis if the plane is tilted. */
 static asdic_mat3 find_axes(const asdic_sonar *sonar) {
-    asdic_mat3 fan = axes_of(&sonar->receivers[sonar->receiver_count / 2]);
+    asdic_mat3 fan = asdic_face_mount(&sonar->receivers[sonar->receiver_count / 2]);
     for (size_t b = 0; b < sonar->receiver_count; b++) {
-        asdic_mat3 beam = axes_of(&sonar->receivers[b]);
+        asdic_mat3 beam = asdic_face_mount(&sonar->receivers[b]);
         double cosine =
             beam.m[0][2] * fan.m[0][2] + beam.m[1][2] * fan.m[1][2] + beam.m[2][2] * fan.m[2][2];
         if (cosine < SAME_UPRIGHT_COSINE || fan.m[2][2] <= 0.0) { /* or upside down */
@@ -244,7 +241,7 @@ static asdic_status find_edges(mosaic *m) {
     bool good = bearing_rad && m->edges_rad;
     m->fan = find_axes(sonar);
     for (size_t b = 0; good && b < m->info.beams; b++) {
-        asdic_mat3 beam = axes_of(&sonar->receivers[b]);
+        asdic_mat3 beam = asdic_face_mount(&sonar->receivers[b]);
         asdic_vec3 ahead = {beam.m[0][0], beam.m[1][0], beam.m[2][0]};
         asdic_vec3 along = asdic_mat3_apply_inverse(m->fan, ahead);
         bearing_rad[b] = atan2(along.y, along.x);
