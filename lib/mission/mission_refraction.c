@@ -132,6 +132,8 @@ static asdic_status compare(comparison *c, const asdic_expected_place *at,
 
 /* ---- Echoes of objects ---- */
 
+#define FORMS (ASDIC_REFRACTION_OFF + 1)
+
 /* The direct ray to an object's middle that spreads least. */
 typedef struct sight {
     asdic_vec3 leaves; /* unit vector */
@@ -139,18 +141,43 @@ typedef struct sight {
     double range_m;    /* at which it is heard */
 } sight;
 
-static sight look(const comparison *c, asdic_refraction form, asdic_vec3 from_m, asdic_vec3 to_m) {
-    asdic_environment env = in_form(asdic_mission_environment(c->mission), form, &c->span);
-    double top_m = c->mission->scene->has_surface ? 0.0 : -INFINITY;
+typedef struct target {
+    asdic_vec3 at_m;
+    sight sights[FORMS];
+    double heard,
+        gains[FORMS]; /* of the beam that hears it best: one way; by each form, both ways */
+} target;
+
+/* The objects within RANGE_M of the vehicle at PING, or some of them. */
+static size_t find_targets(const asdic_mission *mission, size_t ping, asdic_vec3 from_m,
+                           double range_m, target targets[TARGETS]) {
+    size_t objects = asdic_mission_object_count(mission), count = 0;
+    size_t step = (objects + TARGETS - 1) / TARGETS;
+    for (size_t i = 0; i < objects; i += step) {
+        const asdic_mission_object *o = asdic_mission_get_object(mission, i);
+        asdic_vec3 middle_m = {0.5 * (o->min_m.x + o->max_m.x), 0.5 * (o->min_m.y + o->max_m.y),
+                               0.5 * (o->min_m.z + o->max_m.z)};
+        asdic_vec3 at_m =
+            o->moves ? asdic_mission_object_pose(mission, i, ping).position_m : middle_m;
+        bool is_bottom = o->name[0] == 0;
+        double away_m = asdic_vec3_length(asdic_vec3_sub(at_m, from_m));
+        if (!is_bottom && away_m > 0.0 && away_m <= range_m) {
+            targets[count++] = (target){.at_m = at_m, .heard = -1.0};
+        }
+    }
+    return count;
+}
+
+/* Through LAYERS, with SPEED_MPS at the sonar, below TOP_M. */
+static sight look(const asdic_layers *layers, double speed_mps, double top_m, asdic_vec3 from_m,
+                  asdic_vec3 to_m) {
     asdic_vec3 way_m = asdic_vec3_sub(to_m, from_m);
     double across_m = hypot(way_m.x, way_m.y);
-    asdic_layers layers;
     asdic_eigenray rays[ASDIC_MOST_EIGENRAYS];
-    asdic_layers_of(&env, from_m.z, &layers);
-    size_t count = asdic_eigenrays_find(&layers, from_m.z, to_m.z, across_m, rays);
+    size_t count = asdic_eigenrays_find(layers, from_m.z, to_m.z, across_m, rays);
     for (size_t i = 0; i < count; i++) {
-        if (asdic_eigenray_keeps_between(&layers, from_m.z, across_m, &rays[i], top_m, INFINITY)) {
-            double range_m = asdic_environment_sound_speed_mps(&env, from_m.z) * rays[i].end.time_s;
+        if (asdic_eigenray_keeps_between(layers, from_m.z, across_m, &rays[i], top_m, INFINITY)) {
+            double range_m = speed_mps * rays[i].end.time_s;
             double spread = asdic_bent_ray_limited_m2(&rays[i].end, range_m);
             double aside = across_m > 0.0 ? cos(rays[i].elevation_rad) / across_m : 0.0;
             asdic_vec3 leaves = {aside * way_m.x, aside * way_m.y, sin(rays[i].elevation_rad)};
@@ -160,10 +187,25 @@ static sight look(const comparison *c, asdic_refraction form, asdic_vec3 from_m,
     return (sight){.lin = 0.0};
 }
 
-/* By how much what BEAM hears of A would change were it B. */
-static double sight_change_db(double gain_a, const sight *a, double gain_b, const sight *b,
-                              double bin_m) {
-    double x = gain_a * a->lin, y = gain_b * b->lin;
+/* Takes RECEIVER for the beam that hears T best, if it does. In a shadow there is one that would. */
+static void hear(target *t, const asdic_face *transmitter, const asdic_face *receiver,
+                 double rear_lin) {
+    const sight *full = &t->sights[ASDIC_REFRACTION_FULL], *off = &t->sights[ASDIC_REFRACTION_OFF];
+    double heard =
+        asdic_face_gain(receiver, full->lin > 0.0 ? full->leaves : off->leaves, rear_lin);
+    if (heard > t->heard) {
+        t->heard = heard;
+        for (int form = 0; form < FORMS; form++) {
+            t->gains[form] = asdic_face_gain(transmitter, t->sights[form].leaves, rear_lin) *
+                             asdic_face_gain(receiver, t->sights[form].leaves, rear_lin);
+        }
+    }
+}
+
+/* By how much what is heard of T would change by FORM. */
+static double target_change_db(const target *t, int form, double bin_m) {
+    const sight *a = &t->sights[ASDIC_REFRACTION_FULL], *b = &t->sights[form];
+    double x = t->gains[ASDIC_REFRACTION_FULL] * a->lin, y = t->gains[form] * b->lin;
     if (!(x > 0.0) && !(y > 0.0)) {
         return 0.0;
     }
@@ -172,57 +214,38 @@ static double sight_change_db(double gain_a, const sight *a, double gain_b, cons
     return fabs(10.0 * log10(y / x)) + 10.0 * log10(1.0 + later);
 }
 
-/* What an object at TO does in the beam that hears it best. */
-static void compare_target(const comparison *c, const asdic_pose *pose, asdic_vec3 to_m,
-                           asdic_refraction_plan *out) {
-    const asdic_sonar *sonar = asdic_mission_sonar(c->mission);
-    asdic_water_column water =
-        asdic_water_column_at(asdic_mission_environment(c->mission), sonar, pose->position_m.z);
-    double rear_lin = pow(10.0, 0.1 * sonar->rear_floor_db), best = -1.0;
-    double gains[ASDIC_REFRACTION_OFF + 1] = {0};
-    sight sights[ASDIC_REFRACTION_OFF + 1];
-    for (int form = 0; form <= ASDIC_REFRACTION_OFF; form++) {
-        sights[form] = look(c, (asdic_refraction)form, pose->position_m, to_m);
-    }
-    /* In a shadow there is a beam that would hear it. */
-    int best_form = sights[0].lin > 0.0 ? ASDIC_REFRACTION_FULL : ASDIC_REFRACTION_OFF;
-    asdic_face transmitter = asdic_face_aim(&sonar->transmitter, pose, water.wavelength_m);
-    for (size_t b = 0; b < sonar->receiver_count; b++) {
-        asdic_face receiver = asdic_face_aim(&sonar->receivers[b], pose, water.wavelength_m);
-        double heard = asdic_face_gain(&receiver, sights[best_form].leaves, rear_lin);
-        if (heard > best) {
-            best = heard;
-            for (int form = 0; form <= ASDIC_REFRACTION_OFF; form++) {
-                gains[form] = asdic_face_gain(&transmitter, sights[form].leaves, rear_lin) *
-                              asdic_face_gain(&receiver, sights[form].leaves, rear_lin);
-            }
-        }
-    }
-    double *bounds[] = {
-        [ASDIC_REFRACTION_LAYER] = &out->layer_db, [ASDIC_REFRACTION_OFF] = &out->off_db};
-    for (int form = ASDIC_REFRACTION_LAYER; form <= ASDIC_REFRACTION_OFF; form++) {
-        double change =
-            sight_change_db(gains[0], &sights[0], gains[form], &sights[form], sonar->bin_length_m);
-        *bounds[form] = fmax(*bounds[form], SAFETY * change);
-    }
-}
-
 static void compare_targets(const comparison *c, size_t ping, double range_m,
                             asdic_refraction_plan *out) {
+    const asdic_environment *all = asdic_mission_environment(c->mission);
+    const asdic_sonar *sonar = asdic_mission_sonar(c->mission);
     asdic_pose pose = asdic_mission_pose(c->mission, ping, NULL);
-    size_t count = asdic_mission_object_count(c->mission);
-    size_t step = (count + TARGETS - 1) / TARGETS;
-    for (size_t i = 0; i < count; i += step) {
-        const asdic_mission_object *o = asdic_mission_get_object(c->mission, i);
-        asdic_vec3 middle_m = {0.5 * (o->min_m.x + o->max_m.x), 0.5 * (o->min_m.y + o->max_m.y),
-                               0.5 * (o->min_m.z + o->max_m.z)};
-        asdic_vec3 at_m =
-            o->moves ? asdic_mission_object_pose(c->mission, i, ping).position_m : middle_m;
-        bool is_bottom = o->name[0] == 0;
-        double away_m = asdic_vec3_length(asdic_vec3_sub(at_m, pose.position_m));
-        if (!is_bottom && away_m > 0.0 && away_m <= range_m) {
-            compare_target(c, &pose, at_m, out);
+    asdic_water_column water = asdic_water_column_at(all, sonar, pose.position_m.z);
+    double top_m = c->mission->scene->has_surface ? 0.0 : -INFINITY;
+    double rear_lin = pow(10.0, 0.1 * sonar->rear_floor_db);
+    target targets[TARGETS];
+    size_t count = find_targets(c->mission, ping, pose.position_m, range_m, targets);
+    for (int form = 0; form < FORMS && count > 0; form++) {
+        asdic_environment env = in_form(all, (asdic_refraction)form, &c->span);
+        double speed_mps = asdic_environment_sound_speed_mps(&env, pose.position_m.z);
+        asdic_layers layers;
+        asdic_layers_of(&env, pose.position_m.z, &layers);
+        for (size_t i = 0; i < count; i++) {
+            targets[i].sights[form] =
+                look(&layers, speed_mps, top_m, pose.position_m, targets[i].at_m);
         }
+    }
+    asdic_face transmitter = asdic_face_aim(&sonar->transmitter, &pose, water.wavelength_m);
+    for (size_t b = 0; b < sonar->receiver_count && count > 0; b++) {
+        asdic_face receiver = asdic_face_aim(&sonar->receivers[b], &pose, water.wavelength_m);
+        for (size_t i = 0; i < count; i++) {
+            hear(&targets[i], &transmitter, &receiver, rear_lin);
+        }
+    }
+    for (size_t i = 0; i < count; i++) {
+        double layer = target_change_db(&targets[i], ASDIC_REFRACTION_LAYER, sonar->bin_length_m);
+        double off = target_change_db(&targets[i], ASDIC_REFRACTION_OFF, sonar->bin_length_m);
+        out->layer_db = fmax(out->layer_db, SAFETY * layer);
+        out->off_db = fmax(out->off_db, SAFETY * off);
     }
 }
 
@@ -238,18 +261,22 @@ static asdic_expected_place place_at(const comparison *c, size_t ping) {
 static asdic_status compare_places(comparison *c, asdic_refraction_plan *out) {
     size_t count = asdic_mission_ping_count(c->mission);
     asdic_expected_place places[PLACES];
+    size_t pings[PLACES];
     double speed_mps =
         asdic_environment_sound_speed_mps(asdic_mission_environment(c->mission), c->span.least_m);
     size_t bins = asdic_sonar_bin_count(&c->sonar, speed_mps);
     TRY(asdic_ping_create(c->ctx, c->sonar.receiver_count, bins, &c->truth));
     TRY(asdic_ping_create(c->ctx, c->sonar.receiver_count, bins, &c->other));
     for (size_t i = 0; i < PLACES; i++) {
-        size_t ping = i == 0 ? c->span.shallow : i == 1 ? c->span.deep : (i - 2) * (count - 1) / 2;
-        bool is_new = true;
-        compare_targets(c, ping, (double)bins * c->sonar.bin_length_m, out);
-        places[i] = place_at(c, ping);
+        pings[i] = i == 0 ? c->span.shallow : i == 1 ? c->span.deep : (i - 2) * (count - 1) / 2;
+        places[i] = place_at(c, pings[i]);
+        bool is_new = true, is_new_ping = true;
         for (size_t k = 0; k < i; k++) {
             is_new = is_new && !asdic_expected_is_near(&places[k], &places[i], 0.0, 0.0);
+            is_new_ping = is_new_ping && pings[k] != pings[i];
+        }
+        if (is_new_ping) {
+            compare_targets(c, pings[i], (double)bins * c->sonar.bin_length_m, out);
         }
         if (is_new) {
             TRY(compare(c, &places[i], out));
