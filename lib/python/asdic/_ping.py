@@ -317,11 +317,11 @@ class Simulator:
 
         The same pings as one by one, in fewer calls of the library, which may simulate some together.
         """
-        rows = np.asarray(poses)
+        rows = np.ma.asarray(poses)
         if rows.ndim != 2 or rows.shape[1] not in (3, 6) or rows.dtype.kind not in "fiu":
             raise fail(ArgumentError, f"poses have the shape {rows.shape} of {rows.dtype}; they must be numbers of shape "
                        "(n, 3) or (n, 6)")
-        rows = doubles(poses)
+        rows = doubles(rows)
         bad = ~np.isfinite(rows).all(axis=1) | ~((rows[:, 2] >= 0.0) & (rows[:, 2] <= 11000.0))
         if bad.any():
             first = int(np.flatnonzero(bad)[0])
