@@ -380,10 +380,22 @@ static void laws_leave_open_what_their_sources_state(void **state) {
     }
 }
 
+static const char no_phase[] = "nothing here interferes";
+
+/* Whether M needs phase, and for which REASON; M ends. */
+static void check_phase(asdic_mission *m, const char *reason) {
+    char said[200];
+    bool needs = asdic_mission_needs_phase(m, said, sizeof said);
+    assert_contains(said, reason);
+    assert_int_equal(needs, reason != no_phase);
+    asdic_mission_destroy(&m);
+    assert_false(asdic_mission_needs_phase(NULL, said, sizeof said));
+}
+
 /* A ball half a metre deep, seen from 2 m with cells of 75 mm: its image is 2 / range m behind it. */
 static void phase_is_needed_where_echoes_interfere(void **state) {
     const workshop *w = *state;
-    static const char none[] = "nothing here interferes", smooth[] = "'ball' is smooth";
+    static const char smooth[] = "'ball' is smooth";
     static const char image[] = "'ball' and its image in the surface are in one cell";
     static const struct {
         const char *surface, *material;
@@ -391,59 +403,56 @@ static void phase_is_needed_where_echoes_interfere(void **state) {
         const char *reason;
     } cases[] = {
         {"", "impedance_mrayl: 45, slope_rms: 0", 20, 0, smooth},
-        {"", "impedance_mrayl: 45, slope_rms: 0.1", 20, 0, none},
-        {"", "impedance_mrayl: 45, slope_rms: 0", 900, 0, none}, /* out of range */
+        {"", "impedance_mrayl: 45, slope_rms: 0.1", 20, 0, no_phase},
+        {"", "impedance_mrayl: 45, slope_rms: 0", 900, 0, no_phase}, /* out of range */
         /* 4 k^2 s^2 is 0.7 and 1.6: at 1 a share of exp(-1) of the echo has kept its phase. */
         {"", "slope_rms: 0, impedance_mrayl: 45, roughness_rms_mm: 1", 20, 0, smooth},
-        {"", "slope_rms: 0, impedance_mrayl: 45, roughness_rms_mm: 1.5", 20, 0, none},
-        {"", "lambert_db: -20", 26, 0, none},
+        {"", "slope_rms: 0, impedance_mrayl: 45, roughness_rms_mm: 1.5", 20, 0, no_phase},
+        {"", "lambert_db: -20", 26, 0, no_phase},
         {"", "lambert_db: -20", 27.5, 0, image},
         {"", "lambert_db: -20", -27.5, 0, image},
-        {"", "lambert_db: -20", 900, 0, none},
-        {"surface: {enabled: false}\n", "lambert_db: -20", 27.5, 0, none},
+        {"", "lambert_db: -20", 900, 0, no_phase},
+        {"surface: {enabled: false}\n", "lambert_db: -20", 27.5, 0, no_phase},
         /* The sea's 4 k^2 s^2 is 114 and 130, of which the angle, 5.2 degrees, leaves 0.94 and 1.07. */
         {"", "lambert_db: -20", 27.5, 3.0, image},
-        {"", "lambert_db: -20", 27.5, 3.1, none},
+        {"", "lambert_db: -20", 27.5, 3.1, no_phase},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        char bottom[400], reason[200];
+        char bottom[400];
         snprintf(
             bottom, sizeof bottom,
             "{depth_m: 12}\nenvironment: {sound_speed_mps: 1500, wind_speed_kn: %g}\n%sobjects:\n"
             "  - {name: ball, sphere: {radius_m: 0.2}, position_m: [%g, 0, 0.5], material: {%s}}",
             cases[i].wind_kn, cases[i].surface, cases[i].x_m, cases[i].material);
         asdic_mission *m = load(w, bottom, "{pose: {position_m: [0, 0, 2]}}");
-        bool needs = asdic_mission_needs_phase(m, reason, sizeof reason);
-        assert_contains(reason, cases[i].reason);
-        assert_int_equal(needs, cases[i].reason != none);
-        asdic_mission_destroy(&m);
-        assert_false(asdic_mission_needs_phase(NULL, reason, sizeof reason));
+        check_phase(m, cases[i].reason);
     }
 }
 
 /* A beam at the sine u has a grating lobe at u - 1 / spacing, where that is above -1. */
 static void phase_is_needed_where_beams_have_grating_lobes(void **state) {
     const workshop *w = *state;
-    static const char none[] = "nothing here interferes", grating[] = "grating lobes";
+    static const char grating[] = "grating lobes";
     static const char shaded[] = "a shaded array";
     static const struct {
         const char *array, *reason;
     } cases[] = {
-        {"spacing_wl: 0.5, beams: {count: 90, sector_deg: 180}", none},
+        {"spacing_wl: 0.5, beams: {count: 90, sector_deg: 180}", no_phase},
         {"spacing_wl: 0.5, beams: {count: 90, sector_deg: 180}, shading: hann", shaded},
         /* One beam straight ahead: at 1 wavelength the lobes lie along the line. */
-        {"spacing_wl: 0.99, beams: {count: 1, sector_deg: 60}", none},
+        {"spacing_wl: 0.99, beams: {count: 1, sector_deg: 60}", no_phase},
         {"spacing_wl: 1.01, beams: {count: 1, sector_deg: 60}", grating},
         /* The outer of two beams look 30 degrees aside: 1 / 1.5 wavelengths. */
-        {"spacing_wl: 0.66, beams: {count: 2, sector_deg: 120}", none},
+        {"spacing_wl: 0.66, beams: {count: 2, sector_deg: 120}", no_phase},
         {"spacing_wl: 0.675, beams: {count: 2, sector_deg: 120}", grating},
-        {"spacing_wl: 0.66, beams: {count: 2, sector_deg: 120}, yaw_deg: 70, pitch_deg: 40", none},
+        {"spacing_wl: 0.66, beams: {count: 2, sector_deg: 120}, yaw_deg: 70, pitch_deg: 40",
+         no_phase},
         {"spacing_wl: 0.675, beams: {count: 2, sector_deg: 120}, yaw_deg: 70, roll_deg: 50",
          grating},
         {"spacing_wl: 1.5, beams: {count: 2, sector_deg: 120}, shading: hann", grating},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        char text[1000], path[128], reason[200];
+        char text[1000], path[128];
         snprintf(text, sizeof text,
                  "version: 1\nbottom: {depth_m: 12}\nmission: {pose: {position_m: [0, 0, 2]}}\n"
                  "sonar: {frequency_khz: 100, array: {elements: 32, %s}}\n",
@@ -452,10 +461,7 @@ static void phase_is_needed_where_beams_have_grating_lobes(void **state) {
         snprintf(path, sizeof path, "%s/scene.yaml", w->folder);
         asdic_mission *m = NULL;
         assert_int_equal(asdic_mission_load(w->ctx, path, &m), ASDIC_OK);
-        bool needs = asdic_mission_needs_phase(m, reason, sizeof reason);
-        assert_contains(reason, cases[i].reason);
-        assert_int_equal(needs, cases[i].reason != none);
-        asdic_mission_destroy(&m);
+        check_phase(m, cases[i].reason);
     }
 }
 

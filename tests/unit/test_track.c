@@ -185,7 +185,7 @@ static void every_bad_row_is_named(void **state) {
          "F:6:14: error: 'yaw_deg' is empty\n"
          "F:7:11: error: 'pitch_deg' = 1e7 is out of range [-1000000, 1000000]\n"
          "F:8:7: error: 'z_m' = 0x5 is not a number\n");
-    /* Of long values the first forty letters. */
+    /* Of long values the first forty characters. */
     load(HEADER "0,0,0,5,0,0,0\n"
                 "1," FORTY "00,0,5,0,0,0\n"
                 "2,0," FORTY "x,5,0,0,0\n" SMALL "12,0,0,5,0,0,0\n",

@@ -53,10 +53,11 @@ static void yaml_of_serialisers_is_refused(void **state) {
                 "2:10: error: anchors (&d) are not accepted; leave it out  [bottom]\n");
     expect_edit("{depth_m: 12}", "&b {depth_m: 12}",
                 "2:9: error: anchors (&b) are not accepted; leave it out  [bottom]\n");
-    expect_edit("version: 1", "? [version]\n: 1\nversion: 1",
-                "1:1: error: a key is a list or a map, not a word  [scene]\n"
-                "1:3: error: unknown key '?'; the keys here are version, environment, surface, "
-                "bottom, objects, sonar, mission, sampling, model, detector, output, trial  [scene]\n");
+    expect_edit(
+        "version: 1", "? [version]\n: 1\nversion: 1",
+        "1:1: error: a key is a list or a map, not a word  [scene]\n"
+        "1:3: error: unknown key '?'; the keys here are version, environment, surface, "
+        "bottom, objects, sonar, mission, sampling, model, detector, output, trial  [scene]\n");
 }
 
 static void duplicate_keys_are_refused(void **state) {
@@ -150,15 +151,15 @@ static void encodings_are_understood(void **state) {
         asdic_text_to_utf8("\xff\xfe\xe4\x00\xac\x20\x34\xd8\x1e\xdd\x34\xd8", 12, &length);
     assert_string_equal(letters, "\xc3\xa4\xe2\x82\xac\xf0\x9d\x84\x9e\xed\xa0\xb4");
     free(letters);
-    /* Letters that take half as much again: the heap is looked through for bytes behind the result. */
-    enum { LETTERS = 1000 };
-    char utf16[2 * LETTERS + 2] = "\xff\xfe";
-    for (size_t i = 1; i <= LETTERS; i++) {
+    /* Characters that take half as much again: the heap is looked through for bytes behind the result. */
+    enum { CHARACTERS = 1000 };
+    char utf16[2 * CHARACTERS + 2] = "\xff\xfe";
+    for (size_t i = 1; i <= CHARACTERS; i++) {
         memcpy(utf16 + 2 * i, "\x00\x4e", 2);
     }
     char *chinese = asdic_text_to_utf8(utf16, sizeof utf16, &length);
-    assert_int_equal(length, 3 * LETTERS);
-    for (size_t i = 0; i < LETTERS; i++) {
+    assert_int_equal(length, 3 * CHARACTERS);
+    for (size_t i = 0; i < CHARACTERS; i++) {
         assert_memory_equal(chinese + 3 * i, "\xe4\xb8\x80", 3);
     }
     free(chinese);
@@ -198,7 +199,8 @@ static void hostile_values_are_shown_tamely(void **state) {
         "5:3: error: a key holds a zero character  [sonar]\n"
         "5:3: error: unknown key '%s%s%n'; the keys here are file, frequency_khz, "
         "bandwidth_khz, ping_rate_hz, max_range_m, source_level_db, bin_length_m, blanking_m, "
-        "transmitter, receivers, array, scan, noise, speckle, speckle_shape, rear_floor_db  [sonar]\n");
+        "transmitter, receivers, array, scan, noise, speckle, speckle_shape, rear_floor_db  "
+        "[sonar]\n");
 }
 
 int main(void) {
