@@ -4,159 +4,287 @@
 #include "file_read.h"
 #include "number.h"
 #include "try.h"
+#include "words.h"
 
+#include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#define BYTES_MOST ((size_t)16 << 20)
-#define COLUMNS_MOST 8
+#define BYTES_MOST ((size_t)1 << 30)
+#define FIELDS_MOST 256
+#define SHOWN_MOST 40 /* letters of a value that an error repeats */
 
 typedef struct columns_reader {
-    asdic_context *ctx;
-    const char *path, *columns;
-    size_t width, fields[COLUMNS_MOST]; /* how many, and which field of a line each is */
-    size_t field_count;                 /* of the header */
-    size_t line;
+    const asdic_columns *columns;
+    asdic_problems *problems;
+    char header[ASDIC_COLUMNS_MOST * 32]; /* as it should be */
+    size_t place[ASDIC_COLUMNS_MOST];     /* the field that holds each column */
+    size_t field_count;                   /* of the header; 0: not met yet */
+    unsigned line;
     double *rows;
     size_t *lines;
     size_t count, capacity;
 } columns_reader;
 
-typedef struct span {
+/* A field without the blanks and quotes round it. */
+typedef struct field {
     const char *text;
     size_t length;
-} span;
+    unsigned column; /* from 1 */
+} field;
 
-/* Field INDEX of LINE without blanks and quotes round it; text NULL: there is none. */
-static span field(const char *line, size_t index) {
-    for (; index > 0; index--) {
-        line = strchr(line, ',');
-        if (!line++) {
-            return (span){NULL, 0};
+/* Cuts LINE at its commas; returns the number of fields, of which at most FIELDS_MOST are kept. */
+static size_t split(const char *line, field *fields) {
+    size_t count = 0;
+    for (const char *at = line;; at++) {
+        const char *end = at + strcspn(at, ",");
+        const char *from = at, *to = end;
+        while (from < to && strchr(" \t\"", *from)) {
+            from++;
+        }
+        while (to > from && strchr(" \t\"", to[-1])) {
+            to--;
+        }
+        if (count < FIELDS_MOST) {
+            fields[count] = (field){from, (size_t)(to - from), (unsigned)(from - line) + 1};
+        }
+        count++;
+        at = end;
+        if (*at == '\0') {
+            return count;
         }
     }
-    const char *end = line + strcspn(line, ",");
-    while (line < end && strchr(" \t\"", *line)) {
-        line++;
-    }
-    while (end > line && strchr(" \t\"\r", end[-1])) {
-        end--;
-    }
-    return (span){line, (size_t)(end - line)};
 }
 
-static size_t count_fields(const char *line) {
-    size_t count = 1;
-    for (; *line; line++) {
-        count += *line == ',';
-    }
-    return count;
+static int shown(const field *f) {
+    return f->length > SHOWN_MOST ? SHOWN_MOST : (int)f->length;
 }
 
-static asdic_status read_header(columns_reader *r, const char *line) {
-    const char *end = strchr(line, '\r');
-    r->field_count = count_fields(line);
-    if (end && end[strspn(end, "\r")]) {
-        return asdic_fail(r->ctx, ASDIC_ERROR_INPUT,
-                          "%s:%zu: lines end in carriage returns alone; they must in line feeds",
-                          r->path, r->line);
+/* --- the header ------------------------------------------------------------------------------- */
+
+static bool is_column(const field *f, const char *name) {
+    return strlen(name) == f->length && memcmp(name, f->text, f->length) == 0;
+}
+
+static bool is_wanted(const columns_reader *r, const field *f) {
+    for (size_t c = 0; c < r->columns->count; c++) {
+        if (is_column(f, r->columns->items[c].name)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static void report_missing(columns_reader *r, const char *name, const field *fields) {
+    char words[FIELDS_MOST][32];
+    const char *others[FIELDS_MOST];
+    size_t count = 0;
+    for (size_t i = 0; i < r->field_count; i++) {
+        if (!is_wanted(r, &fields[i])) {
+            snprintf(words[i], sizeof words[i], "%.*s", (int)fields[i].length, fields[i].text);
+            others[count++] = words[i];
+        }
+    }
+    size_t nearest = asdic_words_nearest(name, others, count);
+    bool found = nearest < count;
+    asdic_problems_add(
+        r->problems, r->line, 1, "missing column '%s'%s%s%s; the header is %s in any order", name,
+        found ? ", perhaps '" : "", found ? others[nearest] : "", found ? "'" : "", r->header);
+}
+
+/* Where COLUMN stands in the header. */
+static void find_column(columns_reader *r, size_t column, const field *fields) {
+    const char *name = r->columns->items[column].name;
+    size_t found = 0;
+    for (size_t i = 0; i < r->field_count; i++) {
+        if (!is_column(&fields[i], name)) {
+            continue;
+        }
+        if (found++) {
+            asdic_problems_add(r->problems, r->line, fields[i].column, "column '%s' is there twice",
+                               name);
+        }
+        r->place[column] = i;
+    }
+    if (found == 0) {
+        report_missing(r, name, fields);
+    }
+}
+
+static void report_strange(columns_reader *r, const field *first) {
+    double value;
+    if (!asdic_number_parse(first->text, first->length, &value)) {
+        asdic_problems_add(r->problems, r->line, 1, "there is no header; the first line must be %s",
+                           r->header);
+    } else {
+        asdic_problems_add(r->problems, r->line, 1,
+                           "none of the columns is known; the header is %s in any order%s",
+                           r->header, r->columns->about);
+    }
+}
+
+static void read_header(columns_reader *r, const char *line) {
+    field fields[FIELDS_MOST];
+    bool any = false;
+    r->field_count = split(line, fields);
+    if (strchr(line, '\r')) {
+        asdic_problems_add(r->problems, r->line, 1,
+                           "lines end in carriage returns alone; they must in line feeds");
+        return;
+    }
+    if (r->field_count > FIELDS_MOST) {
+        asdic_problems_add(r->problems, r->line, 1, "%zu columns, at most %d are possible",
+                           r->field_count, FIELDS_MOST);
+        return;
     }
     if (r->field_count == 1 && strchr(line, ';')) {
-        return asdic_fail(r->ctx, ASDIC_ERROR_INPUT,
-                          "%s:%zu: columns are separated by semicolons; they must be by commas",
-                          r->path, r->line);
+        asdic_problems_add(r->problems, r->line, 1,
+                           "columns are separated by semicolons; they must be by commas");
+        return;
     }
-    for (span wanted = field(r->columns, 0); wanted.text; wanted = field(r->columns, ++r->width)) {
-        size_t at = 0;
-        span found = field(line, 0);
-        while (found.text && (found.length != wanted.length ||
-                              memcmp(found.text, wanted.text, wanted.length) != 0)) {
-            found = field(line, ++at);
-        }
-        if (!found.text) {
-            return asdic_fail(r->ctx, ASDIC_ERROR_INPUT,
-                              "%s:%zu: missing column '%.*s'; the header is %s in any order",
-                              r->path, r->line, (int)wanted.length, wanted.text, r->columns);
-        }
-        r->fields[r->width] = at;
+    for (size_t i = 0; i < r->field_count; i++) {
+        any |= is_wanted(r, &fields[i]);
     }
-    return ASDIC_OK;
+    if (!any) {
+        report_strange(r, fields);
+        return;
+    }
+    for (size_t c = 0; c < r->columns->count; c++) {
+        find_column(r, c, fields);
+    }
 }
 
-static asdic_status make_room(columns_reader *r) {
+/* --- rows ------------------------------------------------------------------------------------- */
+
+/* The value of COLUMN in its field F; false after a report. */
+static bool read_field(columns_reader *r, const asdic_column *column, const field *f,
+                       double *value) {
+    const char *why = f->length == 0 ? "is empty" : asdic_number_parse(f->text, f->length, value);
+    if (why) {
+        asdic_problems_add(r->problems, r->line, f->column, "'%s'%s%.*s %s", column->name,
+                           f->length ? " = " : "", shown(f), f->text, why);
+        return false;
+    }
+    if (!(*value >= column->min && *value <= column->max)) {
+        asdic_problems_add(r->problems, r->line, f->column,
+                           "'%s' = %.*s is out of range [%.15g, %.15g]%s", column->name, shown(f),
+                           f->text, column->min, column->max,
+                           column->below && *value < column->min ? column->below : "");
+        return false;
+    }
+    return true;
+}
+
+static bool make_room(columns_reader *r) {
     if (r->count < r->capacity) {
-        return ASDIC_OK;
+        return true;
     }
     size_t capacity = r->capacity ? 2 * r->capacity : 256;
-    double *rows = realloc(r->rows, capacity * r->width * sizeof *rows);
+    double *rows = realloc(r->rows, capacity * r->columns->count * sizeof *rows);
     r->rows = rows ? rows : r->rows;
     size_t *lines = rows ? realloc(r->lines, capacity * sizeof *lines) : NULL;
     r->lines = lines ? lines : r->lines;
-    if (!rows || !lines) {
-        return asdic_fail_memory(r->ctx, r->path);
-    }
-    r->capacity = capacity;
-    return ASDIC_OK;
+    r->capacity = lines ? capacity : r->capacity;
+    return lines != NULL;
 }
 
-static asdic_status read_row(columns_reader *r, const char *line) {
-    size_t field_count = count_fields(line);
-    TRY(make_room(r));
-    if (field_count > r->field_count) { /* a decimal comma, perhaps */
-        return asdic_fail(r->ctx, ASDIC_ERROR_INPUT, "%s:%zu: %zu fields, but the header has %zu",
-                          r->path, r->line, field_count, r->field_count);
+static void read_row(columns_reader *r, const char *line) {
+    field fields[FIELDS_MOST];
+    double values[ASDIC_COLUMNS_MOST] = {0.0};
+    const size_t width = r->columns->count, count = split(line, fields);
+    bool good = true;
+    if (count != r->field_count) { /* a decimal comma, perhaps */
+        asdic_problems_add(r->problems, r->line, 1, "%zu field%s, but the header has %zu", count,
+                           count == 1 ? "" : "s", r->field_count);
+        return;
     }
-    for (size_t i = 0; i < r->width; i++) {
-        span name = field(r->columns, i), value = field(line, r->fields[i]);
-        double *out = &r->rows[r->count * r->width + i];
-        const char *why = !value.text         ? "is missing"
-                          : value.length == 0 ? "is empty"
-                                              : asdic_number_parse(value.text, value.length, out);
-        if (why) {
-            int shown = value.length > 40 ? 40 : (int)value.length;
-            return asdic_fail(r->ctx, ASDIC_ERROR_INPUT, "%s:%zu: '%.*s'%s%.*s %s", r->path,
-                              r->line, (int)name.length, name.text, shown ? " = " : "", shown,
-                              value.text ? value.text : "", why);
-        }
+    for (size_t c = 0; c < width; c++) {
+        good &= read_field(r, &r->columns->items[c], &fields[r->place[c]], &values[c]);
     }
+    if (!good) {
+        return;
+    }
+    double before = r->count > 0 ? r->rows[(r->count - 1) * width] : -INFINITY;
+    if (!(values[0] > before)) {
+        const field *f = &fields[r->place[0]];
+        asdic_problems_add(r->problems, r->line, f->column,
+                           "'%s' = %.*s is not %s %.15g at line %zu", r->columns->items[0].name,
+                           shown(f), f->text, r->columns->rises, before, r->lines[r->count - 1]);
+        return;
+    }
+    if (!make_room(r)) {
+        r->problems->out_of_memory = true;
+        return;
+    }
+    memcpy(r->rows + r->count * width, values, width * sizeof *values);
     r->lines[r->count++] = r->line;
-    return ASDIC_OK;
 }
 
-static asdic_status read_lines(columns_reader *r, char *text) {
-    text += asdic_utf8_mark(text, strlen(text));
-    for (char *line = text, *next; line; line = next) {
-        next = strchr(line, '\n');
-        if (next) {
-            *next++ = '\0';
-        }
+/* Header and rows of TEXT, SIZE bytes; goes on after a bad row, not after a bad header. */
+static void read_lines(columns_reader *r, char *text, size_t size) {
+    const size_t before = r->problems->total;
+    const char *end = text + size;
+    text += asdic_utf8_mark(text, size);
+    while (text < end && !r->problems->out_of_memory) {
+        char *next = memchr(text, '\n', (size_t)(end - text));
+        size_t length = next ? (size_t)(next - text) : (size_t)(end - text);
+        char *line = text;
+        text += length + (next != NULL);
         r->line++;
-        if (line[strspn(line, " \t\r")] == '\0' || *line == '#') {
+        if (memchr(line, '\0', length)) {
+            asdic_problems_add(r->problems, r->line, 1, "not a text file: a zero byte");
+            return;
+        }
+        while (length > 0 && line[length - 1] == '\r') {
+            length--;
+        }
+        line[length] = '\0';
+        if (line[strspn(line, " \t")] == '\0' || *line == '#') {
             continue;
         }
-        TRY(r->width == 0 ? read_header(r, line) : read_row(r, line));
+        if (r->field_count > 0) {
+            read_row(r, line);
+            continue;
+        }
+        read_header(r, line);
+        if (r->problems->total > before) {
+            return;
+        }
     }
-    if (r->count == 0) {
-        return asdic_fail(r->ctx, ASDIC_ERROR_INPUT, "%s: no rows of %s", r->path, r->columns);
+    if (r->problems->total == before && r->count == 0) {
+        asdic_problems_add(r->problems, r->line + 1, 1, "%s%s",
+                           r->field_count > 0 ? "no rows below the header"
+                                              : "the file is empty; its header is ",
+                           r->field_count > 0 ? "" : r->header);
     }
-    return ASDIC_OK;
 }
 
-asdic_status asdic_columns_read(asdic_context *ctx, const char *path, const char *columns,
-                                double **rows, size_t **lines, size_t *count) {
-    columns_reader r = {.ctx = ctx, .path = path, .columns = columns};
+asdic_status asdic_columns_read(asdic_context *ctx, const char *path, const asdic_columns *columns,
+                                asdic_problems *problems, double **rows, size_t **lines,
+                                size_t *count) {
+    columns_reader r = {.columns = columns, .problems = problems};
+    const char *name = problems->name;
+    const size_t before = problems->total;
     char *text = NULL;
-    size_t bytes = 0;
-    TRY(asdic_file_read(ctx, path, BYTES_MOST, &text, &bytes));
-    asdic_status status =
-        memchr(text, '\0', bytes)
-            ? asdic_fail(ctx, ASDIC_ERROR_INPUT, "%s: not a text file: a zero byte", path)
-            : read_lines(&r, text);
+    size_t size = 0;
+    *rows = NULL;
+    *lines = NULL;
+    *count = 0;
+    TRY(asdic_file_read(ctx, path, BYTES_MOST, &text, &size));
+    for (size_t c = 0; c < columns->count; c++) {
+        size_t at = strlen(r.header);
+        snprintf(r.header + at, sizeof r.header - at, "%s%s", c > 0 ? "," : "",
+                 columns->items[c].name);
+    }
+    problems->name = path;
+    read_lines(&r, text, size);
+    problems->name = name;
     free(text);
-    if (status) {
+    if (problems->out_of_memory || problems->total > before) {
         free(r.rows);
         free(r.lines);
-        return status;
+        return problems->out_of_memory ? asdic_fail_memory(ctx, path) : ASDIC_OK;
     }
     *rows = r.rows;
     *lines = r.lines;

@@ -81,6 +81,23 @@ asdic_status asdic_problems_report(asdic_problems *problems, asdic_context *ctx)
                       problems->total == 1 ? "" : "s");
 }
 
+asdic_status asdic_problems_fail(asdic_problems *problems, asdic_context *ctx) {
+    char more[48] = "";
+    if (problems->out_of_memory) {
+        return asdic_fail_memory(ctx, "the list of errors");
+    }
+    if (problems->total == 0) {
+        return ASDIC_OK;
+    }
+    const asdic_problem *first = problems->items;
+    if (problems->total > 1) {
+        snprintf(more, sizeof more, "; and %zu more error%s", problems->total - 1,
+                 problems->total == 2 ? "" : "s");
+    }
+    return asdic_fail(ctx, ASDIC_ERROR_INPUT, "%s:%u: %s%s", first->name, first->line,
+                      first->message, more);
+}
+
 void asdic_problems_finish(asdic_problems *problems) {
     for (size_t i = 0; i < problems->count; i++) {
         free(problems->items[i].message);

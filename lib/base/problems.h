@@ -29,6 +29,9 @@ void asdic_problems_add(asdic_problems *problems, unsigned line, unsigned column
  * ASDIC_OK when there is none, else ASDIC_ERROR_INPUT (or _MEMORY) and a sentence that counts. */
 asdic_status asdic_problems_report(asdic_problems *problems, asdic_context *ctx);
 
+/* The same without a log: the sentence is the first problem, and how many there are besides. */
+asdic_status asdic_problems_fail(asdic_problems *problems, asdic_context *ctx);
+
 void asdic_problems_finish(asdic_problems *problems);
 
 #endif

@@ -39,18 +39,8 @@ static double knot_deg(const asdic_scatterer *s, size_t index) {
     return index < s->material.row_count ? row_deg(s, index) : NAN;
 }
 
-static const char *wrong_row(const double *rows, size_t index, size_t *column) {
-    const double *row = rows + 2 * index;
-    *column = 0;
-    if (!(row[0] >= 0.0 && row[0] <= 90.0)) {
-        return "is out of range [0, 90] deg";
-    }
-    if (index > 0 && !(row[0] > row[-2])) {
-        return "does not rise from row to row";
-    }
-    *column = 1;
-    return row[1] >= -200.0 && row[1] <= 60.0 ? NULL : "is out of range [-200, 60] dB";
-}
+static const asdic_column columns[] = {{"grazing_deg", 0.0, 90.0, NULL},
+                                       {"strength_db", -200.0, 60.0, NULL}};
 
 const asdic_law asdic_law_curve = {
     .name = "curve",
@@ -70,5 +60,5 @@ const asdic_law asdic_law_curve = {
                LAW_GRAZING}},
     .strength_lin = strength_lin,
     .knot_deg = knot_deg,
-    .wrong_row = wrong_row,
+    .table = {columns, 2, "more than", ""},
 };

@@ -1,7 +1,7 @@
 #include "scatterer.h"
 
-#include "base/columns.h"
 #include "base/context.h"
+#include "base/try.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -99,38 +99,32 @@ void asdic_material_describe(const asdic_material *material, char *text, size_t 
     }
 }
 
-asdic_status asdic_material_read_rows(asdic_context *ctx, asdic_material *material,
-                                      const char *path) {
+asdic_status asdic_material_read_table(asdic_context *ctx, asdic_material *material,
+                                       const char *path, asdic_problems *problems) {
     const asdic_law *law = material ? material->law : NULL;
     double *rows = NULL;
-    size_t *lines = NULL, count = 0, key = 0;
-    while (law && key < law->model.key_count && !law->model.keys[key].columns) {
-        key++;
-    }
-    if (!law || !path || key == law->model.key_count) {
+    size_t *lines = NULL, count = 0;
+    if (!law || !path || !law->table.count) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "no law that reads a file");
     }
-    asdic_status status =
-        asdic_columns_read(ctx, path, law->model.keys[key].columns, &rows, &lines, &count);
-    for (size_t i = 0, column = 0; !status && law->wrong_row && i < count; i++) {
-        const char *why = law->wrong_row(rows, i, &column);
-        if (why) {
-            const char *name = law->model.keys[key].columns;
-            for (size_t k = 0; k < column; k++) {
-                name += strcspn(name, ",") + 1;
-            }
-            status = asdic_fail(ctx, ASDIC_ERROR_INPUT, "%s:%zu: '%.*s' = %.15g %s", path, lines[i],
-                                (int)strcspn(name, ","), name, rows[2 * i + column], why);
-        }
-    }
+    TRY(asdic_columns_read(ctx, path, &law->table, problems, &rows, &lines, &count));
     free(lines);
-    if (status) {
-        free(rows);
-        return status;
+    if (rows) {
+        material->rows = rows;
+        material->row_count = count;
     }
-    material->rows = rows;
-    material->row_count = count;
     return ASDIC_OK;
+}
+
+asdic_status asdic_material_read_rows(asdic_context *ctx, asdic_material *material,
+                                      const char *path) {
+    asdic_problems problems = {.name = path};
+    asdic_status status = asdic_material_read_table(ctx, material, path, &problems);
+    if (status == ASDIC_OK) {
+        status = asdic_problems_fail(&problems, ctx);
+    }
+    asdic_problems_finish(&problems);
+    return status;
 }
 
 asdic_status asdic_material_check(asdic_context *ctx, const asdic_material *material) {

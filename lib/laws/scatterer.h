@@ -9,6 +9,7 @@
 #include <asdic/law.h>
 
 #include "../../kernels/types.h"
+#include "base/columns.h"
 
 /* Of a law whose keys may stand at an object itself, without a material round them. */
 #define ASDIC_LAW_BRIEF 8u
@@ -51,9 +52,7 @@ struct asdic_law {
     asdic_model_info
         model; /* parameters, units, ranges, fallbacks, source; one row of the models */
 
-    /* What is wrong with a row of its file, told when the rows before it are right: what is to be
-     * said of the value in this *COLUMN; NULL: nothing. */
-    const char *(*wrong_row)(const double *rows, size_t index, size_t *column);
+    asdic_columns table; /* of the file that a key of MODEL with columns names; none: {0} */
     /* Fills MADE and, for a formula, DEVICE; NULL: nothing to compute. */
     void (*prepare)(asdic_scatterer *s);
     /* Backscattering strength, linear, 1/sr. */
@@ -75,6 +74,11 @@ struct asdic_law {
 
 /* The place of KEY in the law's model; key_count: it has none. */
 size_t asdic_law_key(const asdic_law *law, const char *key);
+
+/* asdic_material_read_rows with what is wrong in the file as PROBLEMS, which keep PATH; the rows stay as they
+ * were then. */
+asdic_status asdic_material_read_table(asdic_context *ctx, asdic_material *material,
+                                       const char *path, asdic_problems *problems);
 
 /* The word that stands for VALUE of KEY, LENGTH characters; NULL: none does. */
 const char *asdic_law_word(const asdic_model_key *key, double value, int *length);

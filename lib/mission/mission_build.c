@@ -25,3 +25,11 @@ asdic_status asdic_mission_file_problem(mission_builder *b, asdic_yaml_node *nod
     asdic_yaml_problem(b->problems, node, "%s", asdic_context_error(b->ctx));
     return ASDIC_OK;
 }
+
+asdic_status asdic_mission_file_read(mission_builder *b, asdic_yaml_node *node, size_t before,
+                                     asdic_status status) {
+    if (b->problems->total > before) {
+        asdic_yaml_mark_bad(node);
+    }
+    return asdic_mission_file_problem(b, node, status);
+}

@@ -69,5 +69,9 @@ const char *asdic_mission_resolve(const mission_builder *b, const char *name);
  * returned. */
 asdic_status asdic_mission_file_problem(mission_builder *b, asdic_yaml_node *node,
                                         asdic_status status);
+/* The same of a file that was read, or not, with STATUS while there were BEFORE problems: what was found in it
+ * since makes NODE bad. */
+asdic_status asdic_mission_file_read(mission_builder *b, asdic_yaml_node *node, size_t before,
+                                     asdic_status status);
 
 #endif

@@ -19,84 +19,56 @@
 
 #define MAX_CAST_BYTES ((size_t)1 << 20)
 
-static const char *const column_names[] = {"depth_m,sound_speed_mps", "depth_m,temperature_degc",
-                                           "depth_m,temperature_degc,salinity_ppt"};
+#define DEPTH                                                                                      \
+    { "depth_m", 0.0, 11000.0, NULL }
+
+static const asdic_column speeds[] = {
+    DEPTH, {"sound_speed_mps", ASDIC_SOUND_LEAST_MPS, ASDIC_SOUND_MOST_MPS, NULL}};
+static const asdic_column temperatures[] = {
+    DEPTH, {"temperature_degc", -2.0, 40.0, NULL}, {"salinity_ppt", 0.0, 45.0, NULL}};
 
 /* Where to report on the row of the cast that is being read. */
 typedef struct cast_reader {
     mission_builder *b;
     const char *path;
-    bool is_speed;
-    size_t width;        /* numbers in a row */
+    asdic_columns columns;
     double salinity_ppt; /* where the file has none */
 } cast_reader;
 
-/* Which columns the header of PATH, its first line that is no comment, has; of a file without one those of speeds. */
-static asdic_status find_columns(asdic_context *ctx, const char *path, const char **columns) {
+/* Which columns the header of the file, its first line that is no comment, has; without one those of speeds. */
+static asdic_status find_columns(cast_reader *r) {
     char *text = NULL;
-    size_t bytes, number = 1;
-    TRY(asdic_file_read(ctx, path, MAX_CAST_BYTES, &text, &bytes));
+    size_t bytes;
+    TRY(asdic_file_read(r->b->ctx, r->path, MAX_CAST_BYTES, &text, &bytes));
     char *line = text + asdic_utf8_mark(text, bytes);
     while (line && (line[strspn(line, " \t\r")] == '\n' || *line == '#')) {
         line = strchr(line, '\n');
         line = line ? line + 1 : NULL;
-        number++;
     }
     if (line) {
         line[strcspn(line, "\n")] = '\0';
     }
-    bool has_temperature = line && strstr(line, "temperature_degc");
-    bool has_speed = !line || !*line || strstr(line, "sound_speed_mps");
-    *columns = column_names[has_speed ? 0 : strstr(line, "salinity_ppt") ? 2 : 1];
-    free(text);
-    if (!has_speed && !has_temperature) {
-        return asdic_fail(
-            ctx, ASDIC_ERROR_INPUT,
-            "%s:%zu: neither a column 'sound_speed_mps' nor 'temperature_degc'; the header is "
-            "depth_m,sound_speed_mps or depth_m,temperature_degc[,salinity_ppt], in any order",
-            path, number);
+    r->columns =
+        (asdic_columns){speeds, 2, "deeper than", ", or depth_m,temperature_degc[,salinity_ppt]"};
+    if (line && !strstr(line, "sound_speed_mps") && strstr(line, "temperature_degc")) {
+        r->columns.items = temperatures;
+        r->columns.count = strstr(line, "salinity_ppt") ? 3 : 2;
     }
+    free(text);
     return ASDIC_OK;
 }
 
-/* The value of a row, by NAME, within its range; reports one that is not. */
-static bool within(const cast_reader *r, size_t line, const char *name, double value, double least,
-                   double most, const char *unit) {
-    bool good = value >= least && value <= most;
-    if (!good) {
-        asdic_problems_add(r->b->problems, (unsigned)line, 1,
-                           "'%s' = %.15g is out of range [%g, %g] %s", name, value, least, most,
-                           unit);
-    }
-    return good;
-}
-
-/* Depth and sound speed of ROW; BEFORE is the depth of the row above, -1 in the first. */
-static bool read_row(const cast_reader *r, const double *row, size_t line, double before,
-                     double pair[2]) {
-    double salinity_ppt = r->width > 2 ? row[2] : r->salinity_ppt;
-    if (!within(r, line, "depth_m", row[0], 0.0, 11000.0, "m")) {
-        return false;
-    }
-    if (!(row[0] > before)) {
-        asdic_problems_add(
-            r->b->problems, (unsigned)line, 1,
-            "'depth_m' = %.15g is not below the %.15g m of the row before; order the "
-            "rows from the surface down, each depth once",
-            row[0], before);
-        return false;
-    }
+/* Depth and sound speed of ROW. */
+static void take_row(const cast_reader *r, const double *row, size_t line, double pair[2]) {
+    double salinity_ppt = r->columns.count > 2 ? row[2] : r->salinity_ppt;
     pair[0] = row[0];
-    pair[1] = row[1];
-    if (!r->is_speed) {
-        if (!within(r, line, "temperature_degc", row[1], -2.0, 40.0, "degC") ||
-            !within(r, line, "salinity_ppt", salinity_ppt, 0.0, 45.0, "ppt")) {
-            return false;
-        }
-        pair[1] = sound_speed_medwin_mps(row[1], salinity_ppt, row[0]);
+    pair[1] =
+        r->columns.items == speeds ? row[1] : sound_speed_medwin_mps(row[1], salinity_ppt, row[0]);
+    if (!(pair[1] >= ASDIC_SOUND_LEAST_MPS && pair[1] <= ASDIC_SOUND_MOST_MPS)) {
+        asdic_problems_add(r->b->problems, (unsigned)line, 1,
+                           "the sound speed of %.15g m/s is out of range [%g, %g]", pair[1],
+                           ASDIC_SOUND_LEAST_MPS, ASDIC_SOUND_MOST_MPS);
     }
-    return within(r, line, "sound_speed_mps", pair[1], ASDIC_SOUND_LEAST_MPS, ASDIC_SOUND_MOST_MPS,
-                  "m/s");
 }
 
 static asdic_yaml_node *add_node(const cast_reader *r, asdic_yaml_node *list, size_t line,
@@ -129,10 +101,9 @@ static bool add_point(const cast_reader *r, asdic_yaml_node *list, size_t line,
     return point != NULL;
 }
 
-/* The rows as points of LIST, until one is wrong. */
-static asdic_status take_rows(cast_reader *r, const double *rows, const size_t *lines, size_t count,
-                              asdic_yaml_node *list) {
-    double pair[2] = {-1.0, 0.0};
+/* The rows as points of LIST. */
+static asdic_status take_rows(const cast_reader *r, const double *rows, const size_t *lines,
+                              size_t count, asdic_yaml_node *list) {
     if (count < 2 || count > ASDIC_PROFILE_POINTS) {
         asdic_problems_add(r->b->problems, (unsigned)lines[count - 1], 1,
                            "%zu point%s; a cast has 2 to %d: %s", count, count == 1 ? "" : "s",
@@ -146,9 +117,8 @@ static asdic_status take_rows(cast_reader *r, const double *rows, const size_t *
     list->count = list->length = 0;
     list->text = NULL;
     for (size_t i = 0; i < count; i++) {
-        if (!read_row(r, rows + i * r->width, lines[i], pair[0], pair)) {
-            return ASDIC_OK;
-        }
+        double pair[2];
+        take_row(r, rows + i * r->columns.count, lines[i], pair);
         if (!add_point(r, list, lines[i], pair)) {
             return asdic_fail_memory(r->b->ctx, "a cast");
         }
@@ -166,29 +136,24 @@ static double number_of(const asdic_yaml_node *map, const char *key, double fall
 }
 
 static asdic_status read_cast(cast_reader *r, asdic_yaml_node *named) {
-    const char *columns = NULL, *scene = r->b->problems->name;
+    asdic_problems *problems = r->b->problems;
+    const char *scene = problems->name;
+    const size_t before = problems->total;
     double *rows = NULL;
     size_t *lines = NULL, count = 0;
-    asdic_status status = find_columns(r->b->ctx, r->path, &columns);
+    asdic_status status = find_columns(r);
     if (status == ASDIC_OK) {
-        r->is_speed = columns == column_names[0];
-        r->width = columns == column_names[2] ? 3 : 2;
-        status = asdic_columns_read(r->b->ctx, r->path, columns, &rows, &lines, &count);
+        status =
+            asdic_columns_read(r->b->ctx, r->path, &r->columns, problems, &rows, &lines, &count);
     }
-    if (status) {
-        return asdic_mission_file_problem(r->b, named, status);
+    if (rows) {
+        problems->name = r->path;
+        status = take_rows(r, rows, lines, count, named);
+        problems->name = scene;
     }
-    r->b->problems->name = r->path;
-    size_t before = r->b->problems->total;
-    status = take_rows(r, rows, lines, count, named);
-    for (asdic_yaml_node *node = named; node && r->b->problems->total > before;
-         node = node->parent) {
-        node->bad = true;
-    }
-    r->b->problems->name = scene;
     free(rows);
     free(lines);
-    return status;
+    return asdic_mission_file_read(r->b, named, before, status);
 }
 
 asdic_status asdic_mission_include_cast(mission_builder *b, asdic_yaml_node *root, bool *included) {

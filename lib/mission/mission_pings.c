@@ -83,9 +83,10 @@ static asdic_status fly(mission_builder *b) {
 static asdic_status load_track(mission_builder *b, asdic_yaml_node *node, const char *name,
                                asdic_track **out) {
     const char *path = asdic_mission_resolve(b, name);
-    asdic_status status =
-        path ? asdic_track_load(b->ctx, path, out) : asdic_fail_memory(b->ctx, "a path");
-    return asdic_mission_file_problem(b, node, status);
+    size_t before = b->problems->total;
+    asdic_status status = path ? asdic_track_load(b->ctx, path, b->problems, out)
+                               : asdic_fail_memory(b->ctx, "a path");
+    return asdic_mission_file_read(b, node, before, status);
 }
 
 /* The first object whose track is that of object I; I itself when no earlier one has it. */

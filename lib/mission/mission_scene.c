@@ -6,6 +6,7 @@
 #include "base/context.h"
 #include "base/try.h"
 #include "base/vec.h"
+#include "laws/scatterer.h"
 #include "scene/primitive.h"
 #include "scene/scene.h"
 #include "scene/triangles.h"
@@ -111,12 +112,12 @@ static asdic_status read_rows(mission_builder *b, const asdic_material_file *fil
     if (!path || !grown) {
         return asdic_fail_memory(b->ctx, "the numbers of a material");
     }
-    asdic_status status = asdic_material_read_rows(b->ctx, material, path);
-    if (status) {
-        return asdic_mission_file_problem(b, file->node, status);
+    size_t before = b->problems->total;
+    asdic_status status = asdic_material_read_table(b->ctx, material, path, b->problems);
+    if (material->rows) {
+        m->rows[m->row_files++] = material->rows;
     }
-    m->rows[m->row_files++] = material->rows;
-    return ASDIC_OK;
+    return asdic_mission_file_read(b, file->node, before, status);
 }
 
 /* The box round the triangles of MESH at OBJECT's pose: files hold vertices that none has. */
@@ -178,7 +179,7 @@ static asdic_status build_bottom(mission_builder *b) {
     } else if (asdic_scene_node_good(bottom->grid.node)) {
         status = load_grid(b, &bottom->grid, &mesh);
     }
-    if (status || !asdic_scene_node_good(bottom->node) || bottom->none || b->problems->total > 0) {
+    if (status || !asdic_scene_node_good(bottom->node) || bottom->none) {
         asdic_mesh_destroy(&mesh);
         return status;
     }

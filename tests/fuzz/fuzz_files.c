@@ -55,7 +55,13 @@ void fuzz_track(const uint8_t *data, size_t size) {
     if (asdic_context_create(&ctx) != ASDIC_OK) {
         return;
     }
-    asdic_status status = asdic_track_load(ctx, scratch_write("track.csv", data, size), &track);
+    asdic_problems problems = {.name = "track.csv"};
+    asdic_status status =
+        asdic_track_load(ctx, scratch_write("track.csv", data, size), &problems, &track);
+    if (status == ASDIC_OK) {
+        status = asdic_problems_report(&problems, ctx);
+    }
+    asdic_problems_finish(&problems);
     judge(ctx, status, track);
     if (track) {
         double from_s = asdic_track_start_s(track), to_s = asdic_track_end_s(track);

@@ -128,11 +128,15 @@ static void laws_read_their_files(void **state) {
     static const struct {
         const char *text, *error;
     } wrong[] = {
-        {"grazing_deg,strength_db\n5,-40\n10,-30x\n", "numbers.csv:3: 'strength_db' = -30x"},
-        {"grazing_deg,strength_db\n5,-40\n5,-30\n", "numbers.csv:3: 'grazing_deg' = 5 does not"},
-        {"grazing_deg,strength_db\n5,-40\n95,-30\n", "numbers.csv:3: 'grazing_deg' = 95 is out"},
-        {"grazing_deg,strength_db\n5,-400\n", "numbers.csv:2: 'strength_db' = -400 is out"},
-        {"grazing,strength_db\n5,-40\n", "numbers.csv:1: missing column 'grazing_deg'"}};
+        {"grazing_deg,strength_db\n5,-40\n10,-30x\n",
+         "numbers.csv:3:4: error: 'strength_db' = -30x"},
+        {"grazing_deg,strength_db\n5,-40\n5,-30\n",
+         "numbers.csv:3:1: error: 'grazing_deg' = 5 is not more than 5"},
+        {"grazing_deg,strength_db\n5,-40\n95,-30\n",
+         "numbers.csv:3:1: error: 'grazing_deg' = 95 is out"},
+        {"grazing_deg,strength_db\n5,-400\n",
+         "numbers.csv:2:3: error: 'strength_db' = -400 is out"},
+        {"grazing,strength_db\n5,-40\n", "numbers.csv:1:1: error: missing column 'grazing_deg'"}};
     for (size_t l = 0; l < asdic_law_count(); l++) {
         asdic_mission *m = NULL;
         char error[512];
@@ -140,7 +144,6 @@ static void laws_read_their_files(void **state) {
             write_file(w, "numbers.csv", wrong[i].text);
             load_law(w, asdic_law_get(l), &m, error);
             assert_contains(error, wrong[i].error);
-            assert_contains(error, "scene.yaml:2:");
             assert_null(m);
         }
         if (has_file(asdic_law_get(l))) {

@@ -269,23 +269,23 @@ static void casts_reach_their_limits(void **state) {
         {"depth_m,sound_speed_mps\n0,1300\n11000,1700\n", NULL},
         {"depth_m,temperature_degc,salinity_ppt\n0,-2,0\n9,40,45\n", NULL},
         {"depth_m,sound_speed_mps\n-0.1,1500\n9,1500\n",
-         "cast.csv:2:1: error: 'depth_m' = -0.1 is out of range [0, 11000] m"},
+         "cast.csv:2:1: error: 'depth_m' = -0.1 is out of range [0, 11000]"},
         {"depth_m,sound_speed_mps\n0,1500\n11000.5,1500\n",
-         "cast.csv:3:1: error: 'depth_m' = 11000.5 is out of range [0, 11000] m"},
+         "cast.csv:3:1: error: 'depth_m' = 11000.5 is out of range [0, 11000]"},
         {"depth_m,sound_speed_mps\n0,1299.5\n9,1500\n",
-         "cast.csv:2:1: error: 'sound_speed_mps' = 1299.5 is out of range [1300, 1700] m/s"},
+         "cast.csv:2:3: error: 'sound_speed_mps' = 1299.5 is out of range [1300, 1700]"},
         {"depth_m,sound_speed_mps\n0,1500\n9,1700.5\n",
-         "cast.csv:3:1: error: 'sound_speed_mps' = 1700.5 is out of range [1300, 1700] m/s"},
+         "cast.csv:3:3: error: 'sound_speed_mps' = 1700.5 is out of range [1300, 1700]"},
         {"depth_m,sound_speed_mps\n0,1500\n0,1490\n",
-         "cast.csv:3:1: error: 'depth_m' = 0 is not below the 0 m of the row before"},
+         "cast.csv:3:1: error: 'depth_m' = 0 is not deeper than 0 at line 2"},
         {"depth_m,temperature_degc\n0,-2.5\n9,5\n",
-         "cast.csv:2:1: error: 'temperature_degc' = -2.5 is out of range [-2, 40] degC"},
+         "cast.csv:2:3: error: 'temperature_degc' = -2.5 is out of range [-2, 40]"},
         {"depth_m,temperature_degc\n0,5\n9,40.5\n",
-         "cast.csv:3:1: error: 'temperature_degc' = 40.5 is out of range [-2, 40] degC"},
+         "cast.csv:3:3: error: 'temperature_degc' = 40.5 is out of range [-2, 40]"},
         {"depth_m,temperature_degc,salinity_ppt\n0,5,-0.5\n9,5,1\n",
-         "cast.csv:2:1: error: 'salinity_ppt' = -0.5 is out of range [0, 45] ppt"},
+         "cast.csv:2:5: error: 'salinity_ppt' = -0.5 is out of range [0, 45]"},
         {"depth_m,temperature_degc,salinity_ppt\n0,5,1\n9,5,45.5\n",
-         "cast.csv:3:1: error: 'salinity_ppt' = 45.5 is out of range [0, 45] ppt"},
+         "cast.csv:3:5: error: 'salinity_ppt' = 45.5 is out of range [0, 45]"},
     };
     write_file(w, "a.yaml", "frequency_khz: 30\n");
     write_file(w, "scene.yaml",
@@ -301,6 +301,42 @@ static void casts_reach_their_limits(void **state) {
         }
         asdic_mission_destroy(&m);
     }
+}
+
+/* All that is wrong in files that a scene names is told of with what is wrong in the scene, each file by itself. */
+static void every_wrong_row_of_every_file_is_told_of(void **state) {
+    workshop *w = *state;
+    write_file(w, "cast.csv", "depth_m,sound_speed_mps\n0,1500\n9,x\n5,1700.5\n4,1490\n4,1490\n");
+    write_file(w, "track.csv", "time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n0,0,0,-1,0,0,\n");
+    write_file(w, "curve.csv", "grazing_deg,strength_db\n5,-40\n91,-30\n4,-30\n");
+    write_file(w, "scene.yaml",
+               "version: 1\nbottom: {depth_m: -1}\n" SONAR
+               "objects:\n  - {box: {size_m: [1, 1, 1]}, position_m: [9, 0, 9], "
+               "material: {curve: curve.csv}}\n"
+               "mission: {track: track.csv}\nenvironment: {sound_speed_profile: cast.csv}\n");
+    static const char *const said[] = {
+        "cast.csv:3:3: error: 'sound_speed_mps' = x is not a number",
+        "cast.csv:4:3: error: 'sound_speed_mps' = 1700.5 is out of range [1300, 1700]",
+        "cast.csv:6:1: error: 'depth_m' = 4 is not deeper than 4 at line 5",
+        "track.csv:2:7: error: 'z_m' = -1 is out of range [0, 11000]; z is positive down",
+        "track.csv:2:14: error: 'yaw_deg' is empty",
+        "curve.csv:3:1: error: 'grazing_deg' = 91 is out of range [0, 90]",
+        "curve.csv:4:1: error: 'grazing_deg' = 4 is not more than 5 at line 2",
+        "scene.yaml:2:19: error: 'depth_m' = -1 is out of range",
+    };
+    assert_null(load_with(w, NULL, 0, NULL));
+    for (size_t i = 0; i < sizeof said / sizeof *said; i++) {
+        assert_contains(w->said, said[i]);
+    }
+    assert_contains(asdic_context_error(w->ctx), "8 errors");
+    write_file(w, "scene.yaml",
+               "version: 1\nbottom: {depth_m: 12, curve: curve.csv}\n" SONAR
+               "mission: {track: track.csv}\nenvironment: {sound_speed_profile: cast.csv}\n");
+    assert_null(load_with(w, NULL, 0, NULL));
+    for (size_t i = 0; i < sizeof said / sizeof *said - 1; i++) {
+        assert_contains(w->said, said[i]);
+    }
+    assert_contains(asdic_context_error(w->ctx), "7 errors");
 }
 
 /* A run of a trial may start below the bottom; runs of a data set need names, and in layers their places count. */
@@ -836,6 +872,7 @@ int main(void) {
         cmocka_unit_test(casts_have_their_salinity_behind_what_precedes_it),
         cmocka_unit_test(casts_take_the_salinity_of_the_water),
         cmocka_unit_test(casts_reach_their_limits),
+        cmocka_unit_test(every_wrong_row_of_every_file_is_told_of),
         cmocka_unit_test(loads_of_other_kinds),
         cmocka_unit_test(scenes_in_memory_are_whole),
         cmocka_unit_test(inputs_have_one_hash),

@@ -93,7 +93,7 @@ static void add_problem(asdic_problems *problems, const asdic_yaml_node *node,
     free(message);
 }
 
-static void mark_bad(asdic_yaml_node *node) {
+void asdic_yaml_mark_bad(asdic_yaml_node *node) {
     for (; node; node = node->parent) {
         node->bad = true;
     }
@@ -105,7 +105,7 @@ void asdic_yaml_problem(asdic_problems *problems, asdic_yaml_node *node, const c
     const unsigned place[2] = {node ? node->line : 0, node ? node->column : 0};
     add_problem(problems, node, node, place, format, args);
     va_end(args);
-    mark_bad(node);
+    asdic_yaml_mark_bad(node);
 }
 
 void asdic_yaml_key_problem(asdic_problems *problems, asdic_yaml_node *node, const char *format,
@@ -115,5 +115,5 @@ void asdic_yaml_key_problem(asdic_problems *problems, asdic_yaml_node *node, con
     const unsigned place[2] = {node->key_line, node->key_column};
     add_problem(problems, node, node->parent, place, format, args);
     va_end(args);
-    mark_bad(node);
+    asdic_yaml_mark_bad(node);
 }

@@ -49,6 +49,9 @@ void asdic_yaml_filter(asdic_yaml_node *parent,
                        bool (*stays)(const asdic_yaml_node *child, const void *user),
                        const void *user);
 
+/* Marks NODE and all above it as bad; NULL: nothing. */
+void asdic_yaml_mark_bad(asdic_yaml_node *node);
+
 /* One problem at NODE's value, or at its key: "...  [path.of.the.node]". Marks NODE and all above
  * it as bad. NODE NULL: about the file as a whole. */
 void asdic_yaml_problem(asdic_problems *problems, asdic_yaml_node *node, const char *format, ...)
