@@ -13,15 +13,22 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Files round times, most to milliseconds: at 3 Hz the eleventh ping comes 0.3 ms after a last point at 3.333 s. A
+ * tenth of the time between pings is not rounding. */
+#define ROUNDED_S 1e-3
+#define ROUNDED_PINGS 0.1
+
 /* Pings that the track covers, the one at its start included. */
 static double covered_pings(const mission_builder *b) {
     const asdic_track *track = b->mission->track;
+    double rate_hz = b->mission->settings.sonar.ping_rate_hz;
+    double spare = b->file->mission.track ? fmin(ROUNDED_S * rate_hz, ROUNDED_PINGS) : 1e-9;
     double start_s = asdic_track_start_s(track), end_s = asdic_track_end_s(track);
     double length_s = end_s - start_s;
     /* Times of day since 1970 are rounded to 2.4e-7 s. */
     length_s += DBL_EPSILON * fmax(fabs(start_s), fabs(end_s));
     /* 5 s at 10 Hz are 51 pings, though 5 * 10 is 49.99999999 somewhere. */
-    return floor(length_s * b->mission->settings.sonar.ping_rate_hz * (1.0 + 1e-12) + 1e-9) + 1.0;
+    return floor(length_s * rate_hz * (1.0 + 1e-12) + spare) + 1.0;
 }
 
 /* The number of pings of a moving vehicle. */

@@ -381,6 +381,21 @@ def test_tracks_may_begin_at_any_time():
             tap.equal([row.split(",")[1] for row in written[1:]], [str(k) for k in range(pings)], "places")
 
 
+def test_tracks_may_be_rounded_to_milliseconds():
+    """Nothing is lost of a track that has a point for each ping; a way that ends before the next has no more."""
+    for rate, times, pings in ((3, [f"{k / 3:.3f}" for k in range(11)], 11), (7, [f"{k / 7:.3f}" for k in range(9)], 9),
+                               (3, ["0", "3.332"], 10), (3, ["0", "3.3325"], 11), (60, ["0", "0.999"], 61),
+                               (400, ["0", "0.0097"], 4), (400, ["0", "0.0098"], 5)):
+        scene = (MINIMAL.replace("pose: {position_m: [0, 0, 7]}", "track: t.csv")
+                 .replace("source_level_db: 0", f"ping_rate_hz: {rate}"))
+        rows = "".join(f"{time},{k},0,5,0,0,0\n" for k, time in enumerate(times))
+        with folder(t_csv="time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n" + rows, s_yaml=scene) as at:
+            written = asdic("check", "s.yaml", "--track", "-", cwd=at).check().out.splitlines()
+            tap.equal(len(written) - 1, pings, f"pings at {rate} Hz to {times[-1]} s")
+            place = min((pings - 1) / rate / float(times[-1]), 1.0) * (len(times) - 1)
+            tap.equal(round(float(written[-1].split(",")[1]) - place, 2), 0.0, "how far from its place the last one is")
+
+
 def test_waypoints_are_flown_and_written():
     scene = MINIMAL.replace("pose: {position_m: [0, 0, 7]}",
                             "waypoints: [[0, 0, 7], [60, 0, 7], [60, 40, 9]]")
