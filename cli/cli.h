@@ -113,7 +113,10 @@ bool cli_bad_usage(const cli *c);
  * and devices. False after a report. */
 bool cli_may_write(cli *c, const char *path);
 
-/* Whether --picture names a file, and another than that of the table at PATH, which may be NULL. False after a
+/* Whether the file of OPTION, if that is given, is called as a picture, or has no ending. False after a report. */
+bool cli_is_picture(cli *c, const char *option);
+
+/* Whether --picture names a picture's file, and another than that of the table at PATH, which may be NULL. False after a
  * report. */
 bool cli_picture_is_apart(cli *c, const char *path);
 

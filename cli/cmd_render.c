@@ -50,7 +50,7 @@ static asdic_status set_gain(cli *c, const char *folder, double db_per_decade,
 /* Whether a picture that goes to PATH is no PNG. */
 static bool is_vector(const char *path, asdic_picture_format format) {
     const char *ending = path + render_stem(path);
-    bool says_so = strcmp(ending, ".pdf") == 0 || strcmp(ending, ".svg") == 0;
+    bool says_so = strcasecmp(ending, ".pdf") == 0 || strcasecmp(ending, ".svg") == 0;
     return format == ASDIC_PICTURE_BY_NAME ? says_so : format != ASDIC_PICTURE_PNG;
 }
 
@@ -126,6 +126,9 @@ static int run(cli *c) {
                          "--video '%s': a file, by whose ending ffmpeg knows what to write, as "
                          "fan.mp4",
                          video);
+    }
+    if (options.format == ASDIC_PICTURE_BY_NAME && !cli_is_picture(c, "output")) {
+        return CLI_USAGE;
     }
     if (options.raw && options.path && is_vector(options.path, options.format)) {
         return cli_usage(c, "--raw pictures are PNG files");

@@ -6,6 +6,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <sys/stat.h>
 
 asdic_context *cli_context(const cli *c) {
@@ -47,13 +48,26 @@ bool cli_may_write(cli *c, const char *path) {
     return true;
 }
 
+bool cli_is_picture(cli *c, const char *option) {
+    static const char *const endings[] = {"", ".png", ".pdf", ".svg"};
+    const char *path = cli_text(c, option), *name = path ? strrchr(path, '/') : NULL;
+    const char *dot = path ? strrchr(name ? name : path, '.') : NULL;
+    for (size_t i = 0; i < sizeof endings / sizeof *endings; i++) {
+        if (strcasecmp(dot ? dot : "", endings[i]) == 0) {
+            return true;
+        }
+    }
+    cli_usage(c, "--%s %s: a picture is a file in .png, .pdf or .svg", option, path);
+    return false;
+}
+
 bool cli_picture_is_apart(cli *c, const char *path) {
     const char *picture = cli_text(c, "picture");
     if (picture && (strcmp(picture, "-") == 0 || (path && strcmp(picture, path) == 0))) {
         cli_usage(c, "--picture %s: a picture goes to a file of its own", picture);
         return false;
     }
-    return true;
+    return cli_is_picture(c, "picture");
 }
 
 static void bad(cli *c, const char *option, const char *expected) {

@@ -14,6 +14,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 #define INK_RGB 0x202020u
 #define NOTE_RGB 0x606060u
@@ -24,7 +25,7 @@
 
 static bool has_suffix(const char *path, const char *suffix) {
     size_t n = strlen(path), m = strlen(suffix);
-    return n >= m && strcmp(path + n - m, suffix) == 0;
+    return n >= m && strcasecmp(path + n - m, suffix) == 0;
 }
 
 static cairo_status_t write_vector(void *closure, const unsigned char *data, unsigned length) {

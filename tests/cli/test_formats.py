@@ -545,6 +545,15 @@ def test_one_picture_goes_to_a_file_or_standard_output():
         tap.contains(asdic("render", run, "-o", "-").check(code=2, out="").err, "these are")
         asdic("render", run, "--images", "ascope", "-o", "-").check(code=2, out="")
         asdic("render", run, "--format", "jpg").check(code=2)
+        waterfall = "render", run, "--images", "waterfall", "--beam", "down"
+        tap.contains(asdic(*waterfall, "-o", folder / "w.jpg").check(code=2, out="").err,
+                     "w.jpg: a picture is a file in .png, .pdf or .svg")
+        for name, options, begins in (("w.PDF", (), b"%PDF"), ("w.Svg", (), b"<?xml"), ("W.PNG", (), b"\x89PNG"),
+                                      ("w.v2/w", (), b"\x89PNG"), ("w.jpg", ("--format", "svg"), b"<?xml")):
+            os.makedirs(folder / "w.v2", exist_ok=True)
+            asdic(*waterfall, "-o", folder / name, *options).check(code=0, out="")
+            tap.equal(data(folder, ".", name)[: len(begins)], begins, name)
+        tap.contains(asdic(*waterfall, "--raw", "-o", folder / "r.PDF").check(code=2, out="").err, "PNG")
         for vector in (("-o", folder / "raw.pdf"), ("-o", folder / "raw.svg"), ("-o", "-", "--format", "svg")):
             tap.contains(asdic("render", run, "--raw", "--beam", "down", *vector).check(code=2, out="").err, "PNG")
         os.symlink("/dev/full", folder / "full")  # a link: no slip may replace the device itself

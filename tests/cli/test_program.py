@@ -119,6 +119,9 @@ def test_options_that_would_do_nothing_are_refused():
     for words in ("plan", "none.yaml"), ("bench", "error", "none.yaml"), ("bench", "pings", "none.yaml"):
         tap.contains(asdic(*words, "--picture", "-").check(code=2, out="").err,
                      "--picture -: a picture goes to a file of its own")
+        for other in "p.jpg", "a.png/p.tiff":
+            tap.contains(asdic(*words, "--picture", other).check(code=2, out="").err,
+                         f"--picture {other}: a picture is a file in .png, .pdf or .svg")
     tap.contains(asdic("bench", "pings", "none.yaml", "-o", "a.csv", "--picture", "a.csv").check(code=2).err,
                  "--picture a.csv: a picture goes to a file of its own")
     tap.contains(asdic("roc", "-", "--vary", "sonar.source_level_db=1,2").check(code=2, out="").err,
