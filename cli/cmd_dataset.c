@@ -87,7 +87,7 @@ static const cli_option options[] = {
     {"radius", 0, "PIXELS", "the range in polar pictures (default 512)"},
     {"range-db", 0, "LOW:HIGH", "levels from black to white, with gain (default: frame 0's)"},
     {"shard", 0, "K/N", "make the K-th of N parts; 'asdic merge' joins them"},
-    {"resume", 'r', NULL, "make what is missing of a set that is there"},
+    {"resume", 'r', NULL, "make what is missing of a set that is there, or more of it"},
     {"force", 'f', NULL, "replace a set that is there"},
     {0},
 };

@@ -94,6 +94,14 @@ def test_the_same_bytes_whole_resumed_and_in_parts():
         tap.equal(files(folder / "whole") == whole, True, "resumed is the whole")
         says(asdic("dataset", path, "-n", "5", "--seed", "2", "-o", folder / "whole",
               "--resume"), 1, "cannot be resumed")
+        for count in (2, 3, 5):
+            asdic("dataset", path, "-n", count, "-o", folder / "grown", "--resume").check(code=0)
+            tap.equal(len(files(folder / "grown")["manifest.jsonl"].splitlines()), count, "frames that are told of")
+        tap.equal(files(folder / "grown") == whole, True, "a set that has grown is the whole")
+        says(asdic("dataset", path, "-n", 4, "-o", folder / "grown", "--resume"), 1, "holds 5 frames; --resume")
+        asdic("dataset", path, "-n", 6, "--shard", "1/2", "-o", folder / "p1", "--resume").check(code=0)
+        says(asdic("merge", folder / "p1", folder / "p2", "-o", folder / "m2"), 3, "different data sets")
+        asdic("dataset", path, "-n", 5, "--shard", "1/2", "-o", folder / "p1", "--force").check(code=0)
         asdic("dataset", path, "-n", "4", "--seed", "2", "-o", folder / "whole", "--force").check(code=0)
         other = files(folder / "whole")
         tap.equal(len([n for n in other if n.startswith("levels/")]), 4, "frames that replaced five")
@@ -133,6 +141,11 @@ def test_frames_of_no_set_are_made_again():
             asdic(*make, "--seed", "2", "-o", folder / "e", *resume).check(code=0)
             tap.equal(files(folder / "e") == other, True, "another seed's frames")
             shutil.rmtree(folder / "e")
+        shutil.copytree(folder / "d", folder / "e")
+        folder.write("e/dataset.json", whole["dataset.json"].decode().replace('"frames":3', '"frames":3' + 15 * "0"))
+        says(asdic("merge", folder / "e", "-o", folder / "n"), 3, "does not say how many frames")
+        asdic(*make, "--seed", "2", "-o", folder / "e", "--force").check(code=0)
+        tap.equal(files(folder / "e") == other, True, "frames in place of those of a number that nobody made")
 
 
 def test_frames_of_other_depths_are_the_same_in_parts():

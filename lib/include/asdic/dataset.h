@@ -22,7 +22,7 @@ typedef struct asdic_dataset_options {
     double low_db, high_db; /* what pictures show, with the gain 30 log r + 2 alpha r; NAN: as
                                frame 0 fills them */
     bool force;             /* replace a set that is there */
-    bool resume;            /* make what is missing of one that is there */
+    bool resume;            /* make what is missing of one that is there, or of a larger one */
 } asdic_dataset_options;
 
 /* Seed 1, 1,000 frames, all of them, a threshold of 0.5, 512 pixels, a window by frame 0. */

@@ -32,6 +32,21 @@ static const char *const summaries[] = {"dataset.json", "manifest.jsonl", "class
                                         "polar/annotations.json", "bearing/annotations.json"};
 #define SUMMARIES (sizeof summaries / sizeof *summaries)
 
+/* A name has six digits for its number. */
+#define MOST_FRAMES 1000000u
+
+/* How many frames the set has that SET, the text of its dataset.json, is about; *FROM and *BEHIND are where the
+ * text says so. 0: it does not. */
+static size_t count_in(const char *set, const char **from, const char **behind) {
+    static const char key[] = "\"frames\":";
+    const char *at = strstr(set, key);
+    char *end = NULL;
+    size_t frames = at ? strtoull(at + strlen(key), &end, 10) : 0;
+    *from = at ? at : set;
+    *behind = at ? end : set;
+    return frames <= MOST_FRAMES ? frames : 0;
+}
+
 bool asdic_dataset_is_in(const char *folder) {
     char path[4096];
     snprintf(path, sizeof path, "%s/dataset.json", folder ? folder : "");
@@ -48,11 +63,11 @@ static asdic_status make_folder(asdic_context *ctx, const char *path) {
 /* Removes what a set wrote into FOLDER: its frames, by their records, and the files about all. */
 static asdic_status clear(asdic_context *ctx, const char *folder) {
     char path[4096], *text = NULL;
-    size_t length = 0, frames = 0;
+    const char *from, *behind;
+    size_t length = 0;
     snprintf(path, sizeof path, "%s/dataset.json", folder);
     TRY(asdic_file_read(ctx, path, MOST_BYTES, &text, &length));
-    const char *count = strstr(text, "\"frames\":");
-    frames = count ? strtoull(count + strlen("\"frames\":"), NULL, 10) : 0;
+    size_t frames = count_in(text, &from, &behind);
     free(text);
     for (size_t k = 0; k < frames; k++) {
         for (size_t i = 0; i < FOLDERS; i++) {
@@ -99,6 +114,15 @@ asdic_status asdic_dataset_enter(asdic_context *ctx, const asdic_dataset_options
     return ASDIC_OK;
 }
 
+/* Whether the sets that A and B are about differ at most in their number of frames. */
+static bool are_alike(const char *a, const char *b) {
+    const char *from_a, *behind_a, *from_b, *behind_b;
+    count_in(a, &from_a, &behind_a);
+    count_in(b, &from_b, &behind_b);
+    return from_a - a == from_b - b && strncmp(a, b, (size_t)(from_a - a)) == 0 &&
+           strcmp(behind_a, behind_b) == 0;
+}
+
 asdic_status asdic_dataset_begin(asdic_context *ctx, const asdic_dataset_options *options,
                                  const char *text) {
     char path[4096], *there = NULL;
@@ -108,14 +132,23 @@ asdic_status asdic_dataset_begin(asdic_context *ctx, const asdic_dataset_options
         return asdic_file_write_all(ctx, path, text, strlen(text));
     }
     TRY(asdic_file_read(ctx, path, MOST_BYTES, &there, &length));
-    bool same = length == strlen(text) && memcmp(there, text, length) == 0;
+    const char *from, *behind;
+    size_t frames = count_in(there, &from, &behind);
+    bool alike = strlen(there) == length && are_alike(there, text);
     free(there);
-    return same ? ASDIC_OK
-                : asdic_fail(
-                      ctx, ASDIC_ERROR_EXISTS,
-                      "'%s' holds a data set of another scene, seed, size or other options; it "
-                      "cannot be resumed, --force replaces it",
-                      options->folder);
+    if (!alike) {
+        return asdic_fail(ctx, ASDIC_ERROR_EXISTS,
+                          "'%s' holds a data set of another scene, seed or other options; it "
+                          "cannot be resumed, --force replaces it",
+                          options->folder);
+    }
+    if (frames > options->frames) {
+        return asdic_fail(ctx, ASDIC_ERROR_EXISTS,
+                          "'%s' holds %zu frames; --resume makes none fewer, --force replaces them",
+                          options->folder, frames);
+    }
+    return frames < options->frames ? asdic_file_write_all(ctx, path, text, strlen(text))
+                                    : ASDIC_OK;
 }
 
 /* --- the files about all frames --------------------------------------------------------------- */
@@ -356,8 +389,12 @@ static asdic_status merge(asdic_context *ctx, const char *const *parts, size_t c
                               "'%s' and '%s' are parts of different data sets", parts[0], parts[p]);
         }
     }
-    const char *frames = strstr(set, "\"frames\":");
-    o->frames = o->end = frames ? strtoull(frames + strlen("\"frames\":"), NULL, 10) : 0;
+    const char *from, *behind;
+    o->frames = o->end = count_in(set, &from, &behind);
+    if (o->frames == 0) {
+        return asdic_fail(ctx, ASDIC_ERROR_INPUT,
+                          "'%s/dataset.json' does not say how many frames there are", parts[0]);
+    }
     TRY(check_parts(ctx, parts, count, o->folder, o->frames));
     TRY(asdic_dataset_check(ctx, o));
     TRY(asdic_dataset_enter(ctx, o));
