@@ -807,6 +807,45 @@ def test_a_mosaic_lies_on_the_terrain():
             raise AssertionError((bright, ball, beside))
 
 
+LINE = """version: 1
+environment: {sound_speed_mps: 1500, wind_speed_kn: 0}
+bottom: {depth_m: 12, type: mud}
+objects:
+  - {name: right, point: {target_strength_db: 20}, position_m: [8, 9, 11.9]}
+  - {name: left, point: {target_strength_db: 20}, position_m: [10, -5, 11.9]}
+sonar:
+  frequency_khz: 100
+  bandwidth_khz: 10
+  source_level_db: 200
+  bin_length_m: 0.075
+  max_range_m: 20
+  transmitter: {length_h_m: 0.01, length_v_m: 0.01}
+  array: {elements: 64, spacing_wl: 0.5, element: {length_v_m: 0.01}, beams: {count: 128, sector_deg: 120}}
+mission: {pose: {position_m: [0, 0, 7], roll_deg: 4}, pings: 1}
+sampling: {coherent: true, rays: 1000}
+output: {csv: none, images: []}
+"""
+
+
+def test_a_mosaic_of_a_line_of_elements():
+    """Its beams are cones about it: 20 degrees down and 48 aside a point is heard by the beam at 44 degrees. Laid as a fan of
+    upright beams it would be 0.9 m off."""
+    program.need_device()
+    with Folder() as folder:
+        asdic("run", folder.write("line.yaml", LINE), "-o", folder / "r").check(code=0)
+        asdic("render", folder / "r", "--mosaic", folder / "m.png", "--cell", "0.1", "--colormap", "gray",
+              "--db-range", "0:300").check(code=0, out="")
+        for north, east in (8, 9), (10, -5):
+            near = [(x / 10, y / 10) for x in range(-15, 16) for y in range(-15, 16)]
+            out = tool("gdallocationinfo", "-valonly", "-b", "1", "-geoloc", "m.png", cwd=folder.path,
+                       stdin="".join(f"{east + x} {north + y}\n" for x, y in near))
+            levels = [0 if level == "255" else int(level) for level in out.split()]  # white: nothing was heard
+            peak = [at for at, level in zip(near, levels) if level == max(levels)]
+            middle = [sum(at[k] for at in peak) / len(peak) for k in (0, 1)]
+            if math.hypot(*middle) > 0.2:
+                raise AssertionError((north, east, middle, peak))
+
+
 def test_ascope_says_how_many_beams_it_leaves_out():
     with Folder() as folder:
         more = "".join(f"\n    - {{name: more{i}, pitch_deg: {9 * i}}}" for i in range(3))

@@ -40,13 +40,23 @@ typedef struct mosaic {
     size_t columns, rows;
     double *sum;     /* [row * columns + column], rows from south to north: intensities with gain */
     uint32_t *count; /* of pings that saw the cell */
-    asdic_mat3 fan;  /* its axes in the sonar's */
+    bool
+        is_line; /* beams are formed of a line of elements: each hears a cone about the fan's y axis */
+    asdic_mat3 fan;    /* its axes in the sonar's */
     double *edges_rad; /* of the beams, bearings in the fan's axes */
     double db_per_decade, db_per_m;
     struct {
         size_t south, north, west, east; /* rows and columns; the last two are behind the last */
     } seen;                              /* what the picture shows: the box of all that was seen */
 } mosaic;
+
+/* Of what lies ALONG the fan's axes: by it a line of elements steers its beams, at any height. */
+static double bearing_of(const mosaic *m, asdic_vec3 along) {
+    bool in_front = along.x > 0.0; /* behind, nothing is heard as loudly */
+    return !m->is_line ? atan2(along.y, along.x)
+           : in_front  ? asin(along.y / asdic_vec3_length(along))
+                       : ASDIC_PI;
+}
 
 /* Adds what RECORD, whose fan has these AXES, heard from (NORTH_M, EAST_M) on the floor:
  * the terrain, beside which there is none, or a plane as deep as straight below the vehicle. */
@@ -64,7 +74,7 @@ static void add_cell(mosaic *m, const asdic_record *record, asdic_mat3 axes, siz
     double range_m = asdic_vec3_length(way_m);
     size_t bin = (size_t)(range_m / m->bin_length_m);
     asdic_vec3 along = asdic_mat3_apply_inverse(axes, way_m);
-    size_t beam = asdic_fan_beam(m->edges_rad, m->info.beams, atan2(along.y, along.x));
+    size_t beam = asdic_fan_beam(m->edges_rad, m->info.beams, bearing_of(m, along));
     if (bin >= m->info.bins || beam >= m->info.beams) {
         return;
     }
@@ -239,12 +249,13 @@ static asdic_status find_edges(mosaic *m) {
     double *bearing_rad = malloc(m->info.beams * sizeof *bearing_rad);
     m->edges_rad = malloc((m->info.beams + 1) * sizeof *m->edges_rad);
     bool good = bearing_rad && m->edges_rad;
-    m->fan = find_axes(sonar);
+    m->is_line = m->info.sampling.coherent;
+    m->fan = m->is_line ? asdic_face_mount(&sonar->array.element) : find_axes(sonar);
     for (size_t b = 0; good && b < m->info.beams; b++) {
         asdic_mat3 beam = asdic_face_mount(&sonar->receivers[b]);
         asdic_vec3 ahead = {beam.m[0][0], beam.m[1][0], beam.m[2][0]};
         asdic_vec3 along = asdic_mat3_apply_inverse(m->fan, ahead);
-        bearing_rad[b] = atan2(along.y, along.x);
+        bearing_rad[b] = bearing_of(m, along);
         if (b > 0 && bearing_rad[b] < bearing_rad[b - 1]) { /* beams ascend, also past astern */
             bearing_rad[b] += 2.0 * ASDIC_PI;
         }
