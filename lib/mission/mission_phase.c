@@ -63,11 +63,9 @@ static const char *fringed(const asdic_mission *mission, const asdic_law_water *
     return NULL;
 }
 
-/* Whether a beam, steered by the sine U from the array's front, hears another direction in phase as well: that of
- * U less a whole turn between elements. */
-static bool has_grating_lobes(const asdic_sonar *sonar, double wavelength_m) {
-    const asdic_array *a = &sonar->array;
-    asdic_mat3 element = asdic_face_mount(&a->element);
+/* The sine by which the outermost beam is steered from the array's front. */
+static double outermost_sine(const asdic_sonar *sonar) {
+    asdic_mat3 element = asdic_face_mount(&sonar->array.element);
     asdic_vec3 line = {element.m[0][1], element.m[1][1], element.m[2][1]};
     asdic_pose level = {0};
     double farthest = 0.0;
@@ -75,7 +73,39 @@ static bool has_grating_lobes(const asdic_sonar *sonar, double wavelength_m) {
         double sine = asdic_vec3_dot(asdic_beam_axis(&sonar->receivers[i], &level), line);
         farthest = fmax(farthest, fabs(sine));
     }
-    return a->elements > 0 && wavelength_m / a->spacing_m < 1.0 + farthest;
+    return farthest;
+}
+
+/* Whether a beam, steered by the sine U from the array's front, hears another direction in phase as well: that of
+ * U less a whole turn between elements. */
+static bool has_grating_lobes(const asdic_sonar *sonar, double wavelength_m) {
+    return sonar->array.elements > 0 &&
+           wavelength_m / sonar->array.spacing_m < 1.0 + outermost_sine(sonar);
+}
+
+/* Half a power's half width of an aperture, as the sine times its wavelengths. */
+#define HALF_WIDTH_WL 0.443
+
+/* How far out of the array's plane sound is sent and heard, to half its power; radians. */
+static double height_rad(const asdic_sonar *sonar, double wavelength_m) {
+    asdic_pose level = {0};
+    asdic_mat3 element = asdic_face_mount(&sonar->array.element);
+    asdic_vec3 upright = {element.m[0][2], element.m[1][2], element.m[2][2]};
+    double tilt = asdic_vec3_dot(asdic_beam_axis(&sonar->transmitter, &level), upright);
+    double tallest_m = fmax(sonar->array.element.length_v_m, sonar->transmitter.length_v_m);
+    return asin(fmin(fabs(tilt), 1.0)) + asin(fmin(HALF_WIDTH_WL * wavelength_m / tallest_m, 1.0));
+}
+
+/* How far aside of the upright plane that pings of intensities have, the outermost beam's cone lies there; NAN: by no
+ * more than half its width. */
+static double cone_apart_rad(const asdic_sonar *sonar, double wavelength_m) {
+    const asdic_array *a = &sonar->array;
+    double sine = outermost_sine(sonar);
+    double level_cosine = cos(fmin(height_rad(sonar, wavelength_m), 0.5 * ASDIC_PI));
+    double apart_rad = asin(fmin(sine / fmax(level_cosine, 1e-9), 1.0)) - asin(fmin(sine, 1.0));
+    double length_wl = (double)a->elements * a->spacing_m / wavelength_m;
+    double half_rad = HALF_WIDTH_WL / (length_wl * sqrt(fmax(1.0 - sine * sine, 1e-9)));
+    return a->elements > 0 && apart_rad > half_rad ? apart_rad : NAN;
 }
 
 bool asdic_mission_needs_phase(const asdic_mission *mission, char *reason, size_t size) {
@@ -91,6 +121,7 @@ bool asdic_mission_needs_phase(const asdic_mission *mission, char *reason, size_
     const asdic_part *smooth = smooth_part(mission, &water);
     const char *image = fringed(mission, &water, cell_m);
     bool grating = has_grating_lobes(&s->sonar, column.wavelength_m);
+    double apart_rad = cone_apart_rad(&s->sonar, column.wavelength_m);
     bool shaded = s->sonar.array.elements > 0 && s->sonar.array.shading != ASDIC_SHADING_NONE;
     if (smooth) {
         snprintf(reason, size, "'%s' is smooth: its side lobes have phase", smooth->name);
@@ -100,11 +131,16 @@ bool asdic_mission_needs_phase(const asdic_mission *mission, char *reason, size_
     } else if (grating) {
         snprintf(reason, size,
                  "the array's elements are so far apart that its beams have grating lobes");
+    } else if (!isnan(apart_rad)) {
+        snprintf(reason, size,
+                 "the array's beams are cones: above and below its plane the outermost lies up to "
+                 "%.3g degrees beside where pings of intensities have it",
+                 apart_rad * (180.0 / ASDIC_PI));
     } else if (shaded) {
         snprintf(reason, size, "the side lobes of a shaded array are not those of an aperture");
     } else {
         snprintf(reason, size,
                  "nothing here interferes but scatterers, whose speckle can be drawn");
     }
-    return smooth || image || grating || shaded;
+    return smooth || image || grating || shaded || !isnan(apart_rad);
 }

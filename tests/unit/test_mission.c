@@ -432,34 +432,52 @@ static void phase_is_needed_where_echoes_interfere(void **state) {
     }
 }
 
-/* A beam at the sine u has a grating lobe at u - 1 / spacing, where that is above -1. */
-static void phase_is_needed_where_beams_have_grating_lobes(void **state) {
+/* A beam at the sine u has a grating lobe at u - 1 / spacing, where that is above -1. As a cone it lies h out of the
+ * array's plane at the bearing whose sine is u / cos(h); it is 0.443 / 16 / cos(bearing) wide to either side, and heard
+ * where 0.443 is the sine of h times the wavelengths of the taller of two apertures, on from where the other looks. */
+static void phase_is_needed_where_an_array_is_more_than_an_aperture(void **state) {
     const workshop *w = *state;
     static const char grating[] = "grating lobes";
     static const char shaded[] = "a shaded array";
     static const struct {
-        const char *array, *reason;
+        const char *array, *transmitter, *reason;
     } cases[] = {
-        {"spacing_wl: 0.5, beams: {count: 90, sector_deg: 180}", no_phase},
-        {"spacing_wl: 0.5, beams: {count: 90, sector_deg: 180}, shading: hann", shaded},
+        {"spacing_wl: 0.5, beams: {count: 90, sector_deg: 120}", "", no_phase},
+        {"spacing_wl: 0.5, beams: {count: 90, sector_deg: 120}, shading: hann", "", shaded},
         /* One beam straight ahead: at 1 wavelength the lobes lie along the line. */
-        {"spacing_wl: 0.99, beams: {count: 1, sector_deg: 60}", no_phase},
-        {"spacing_wl: 1.01, beams: {count: 1, sector_deg: 60}", grating},
+        {"spacing_wl: 0.99, beams: {count: 1, sector_deg: 60}", "", no_phase},
+        {"spacing_wl: 1.01, beams: {count: 1, sector_deg: 60}", "", grating},
         /* The outer of two beams look 30 degrees aside: 1 / 1.5 wavelengths. */
-        {"spacing_wl: 0.66, beams: {count: 2, sector_deg: 120}", no_phase},
-        {"spacing_wl: 0.675, beams: {count: 2, sector_deg: 120}", grating},
+        {"spacing_wl: 0.66, beams: {count: 2, sector_deg: 120}", "", no_phase},
+        {"spacing_wl: 0.675, beams: {count: 2, sector_deg: 120}", "", grating},
         {"spacing_wl: 0.66, beams: {count: 2, sector_deg: 120}, yaw_deg: 70, pitch_deg: 40",
-         no_phase},
-        {"spacing_wl: 0.675, beams: {count: 2, sector_deg: 120}, yaw_deg: 70, roll_deg: 50",
+         "yaw_deg: 70, pitch_deg: 40", no_phase},
+        {"spacing_wl: 0.675, beams: {count: 2, sector_deg: 120}, yaw_deg: 70, roll_deg: 50", "",
          grating},
-        {"spacing_wl: 1.5, beams: {count: 2, sector_deg: 120}, shading: hann", grating},
+        {"spacing_wl: 1.5, beams: {count: 2, sector_deg: 120}, shading: hann", "", grating},
+        /* Both apertures a wavelength high: h is 26.3 degrees; the other way round, one of them 2.5: 10.2. */
+        {"spacing_wl: 0.5, beams: {count: 2, sector_deg: 120}, element: {length_v_m: 0.015}",
+         "length_v_m: 0.015", "lies up to 3.9 degrees beside"},
+        {"spacing_wl: 0.5, beams: {count: 2, sector_deg: 120}, element: {length_v_m: 0.0375}",
+         "length_v_m: 0.015", no_phase},
+        {"spacing_wl: 0.5, beams: {count: 2, sector_deg: 120}, element: {length_v_m: 0.015}",
+         "length_v_m: 0.0375", no_phase},
+        /* The transmitter looks 30 degrees down: h is 40.2 degrees; the same of an array that looks up. */
+        {"spacing_wl: 0.5, beams: {count: 2, sector_deg: 120}, element: {length_v_m: 0.0375}",
+         "pitch_deg: -30, length_v_m: 0.03", "lies up to 10.9 degrees beside"},
+        {"spacing_wl: 0.5, beams: {count: 2, sector_deg: 120}, pitch_deg: 30, shading: hann, "
+         "element: {length_v_m: 0.0375}",
+         "length_v_m: 0.03", "lies up to 10.9 degrees beside"},
+        {"spacing_wl: 0.5, beams: {count: 2, sector_deg: 120}", "pitch_deg: -80",
+         "lies up to 60 degrees beside"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char text[1000], path[128];
         snprintf(text, sizeof text,
                  "version: 1\nbottom: {depth_m: 12}\nmission: {pose: {position_m: [0, 0, 2]}}\n"
-                 "sonar: {frequency_khz: 100, array: {elements: 32, %s}}\n",
-                 cases[i].array);
+                 "environment: {sound_speed_mps: 1500}\n"
+                 "sonar: {frequency_khz: 100, transmitter: {%s}, array: {elements: 32, %s}}\n",
+                 cases[i].transmitter, cases[i].array);
         write_file(w, "scene.yaml", text);
         snprintf(path, sizeof path, "%s/scene.yaml", w->folder);
         asdic_mission *m = NULL;
@@ -808,7 +826,7 @@ int main(void) {
         cmocka_unit_test(remarks_are_as_many_as_there_is_room),
         cmocka_unit_test(rays_that_turn_are_remarked),
         cmocka_unit_test(phase_is_needed_where_echoes_interfere),
-        cmocka_unit_test(phase_is_needed_where_beams_have_grating_lobes),
+        cmocka_unit_test(phase_is_needed_where_an_array_is_more_than_an_aperture),
         cmocka_unit_test(laws_leave_open_what_their_sources_state),
         cmocka_unit_test(drawn_rays_obey_snell),
         cmocka_unit_test(rays_in_a_channel_are_drawn_to_their_end),

@@ -251,7 +251,7 @@ ASDIC_API bool asdic_mission_plans_refraction(const asdic_mission *mission);
 
 /* Whether the mission's echoes interfere in a way that only coherent pings show: lobes of smooth
  * bodies, a target and its image in the surface (from the first ping's place), side lobes of a
- * shaded array. REASON, of SIZE bytes, says what. */
+ * shaded array, beams of a line that are cones. REASON, of SIZE bytes, says what. */
 ASDIC_API bool asdic_mission_needs_phase(const asdic_mission *mission, char *reason, size_t size);
 
 /* Draws rays of ping INDEX over range and depth, as far as its bins reach. */
