@@ -548,6 +548,48 @@ def test_a_background_is_simulated_over_a_mesh():
         tap.equal([n.name for n in out.iterdir() if n.suffix == ".part"], [])
 
 
+# A slope of 45 degrees, whose first echo comes from 6.36 m, and a point in the noise before it.
+SLOPE = """OFF
+4 2 0
+-8 -40 20
+8 -40 4
+8 40 4
+-8 40 20
+3 0 1 2
+3 0 2 3
+"""
+BEFORE_SLOPE = """version: 1
+bottom: {mesh: {file: slope.off, z_up: false}, lambert_db: -20}
+surface: {enabled: false}
+objects: [{name: near, point: -58, position_m: [-0.24, 4.481, 7]}]
+sonar:
+  frequency_khz: 120
+  max_range_m: 12
+  source_level_db: 190
+  bin_length_m: 0.3
+  speckle: rayleigh
+  receivers: [{yaw_deg: 50}]
+mission: {pose: {position_m: [-4, 0, 7]}, pings: 300}
+sampling: {rays: 20000}
+detector: {pfa: 1.0e-3}
+output: {images: [], csv: none}
+"""
+
+
+def test_what_is_before_an_echo_of_many_rays_is_seen():
+    """What the floor's first echo may err by is not the error of noise half a metre before it."""
+    need_device()
+    with Folder() as folder:
+        folder.write("slope.off", SLOPE)
+        folder.write("slope.yaml", BEFORE_SLOPE)
+        asdic("run", "slope.yaml", "-o", "out", "-q", cwd=folder.path).check(0)
+        found = json.loads(asdic("detect", "out", "--json", *COARSE, cwd=folder.path).check(0).out)
+        tap.equal(found["background"], "simulated")
+        near = found["confusion"][0]
+        tap.equal((near["truth"], near["bins"]), ("near", 300))
+        tap.equal(near["detected"] > 270, True, f"{near}, at 10 dB")
+
+
 def test_a_background_may_be_quiet():
     """Of a source of 0 dB and without noise, levels are far below 1 uPa: errors are shares of them all the same."""
     need_device()

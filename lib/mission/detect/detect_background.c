@@ -26,6 +26,8 @@
 /* A bin that few rays reach may have missed its rare strong echoes, and then states too small an
  * error: variances are means over so many bins on either side. */
 #define NEIGHBOURS 4
+/* ... whole of echoes that so many rays make, or fewer. */
+#define FEW_RAYS 30.0
 /* Errors are counted in steps; larger ones in the last. */
 #define ERROR_STEP_DB 0.01
 #define ERROR_STEPS 4000
@@ -333,16 +335,23 @@ double asdic_backdrop_error_db(const asdic_backdrop *b) {
     return 0.0;
 }
 
+/* The variance that CELL lends to its neighbours, of what they may have missed. An echo known to a share of 1 / sqrt(N)
+ * is made of some N rays: a bin that none of them reached misses about 1 / N of it. */
+static double missed_lin2(const asdic_backdrop *b, size_t cell) {
+    double mean2 = pow(b->mean_lin[cell], 2), variance = b->variance_lin2[cell];
+    return mean2 > 0.0 ? variance * fmin(FEW_RAYS * variance / mean2, 1.0) : 0.0;
+}
+
 /* The standard error of bin N of the beam that begins at FIRST, as a share of its mean. */
 static double error_share(const asdic_backdrop *b, size_t first, size_t n) {
     size_t bins = b->run->facts.bins;
     size_t low = n > NEIGHBOURS ? n - NEIGHBOURS : 0;
     size_t end = n + NEIGHBOURS + 1 < bins ? n + NEIGHBOURS + 1 : bins;
-    double sum = 0.0, mean = b->mean_lin[first + n];
+    double sum = 0.0, mean = b->mean_lin[first + n], own = b->variance_lin2[first + n];
     for (size_t k = low; k < end; k++) {
-        sum += b->variance_lin2[first + k];
+        sum += k == n ? own : missed_lin2(b, first + k);
     }
-    return mean > 0.0 ? sqrt(sum / (double)(end - low)) / mean : 0.0;
+    return mean > 0.0 ? sqrt(fmax(own, sum / (double)(end - low))) / mean : 0.0;
 }
 
 /* Reads the record of the run's ping INDEX, where it is not the one in hand. */
