@@ -399,6 +399,18 @@ def test_remarks_are_warnings():
     tap.equal(["z_m" in str(w.message) for w in said if issubclass(w.category, asdic.Remark)], [True], "a remark")
 
 
+def test_a_scene_from_arrays_warns_once():
+    need_device()
+    import warnings  # pylint: disable=import-outside-toplevel
+    scene = pool(sampling={"rays": 64})
+    scene.add("far", point=-20, position_m=[900, 0, 5])
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        asdic.simulate(scene)
+    told = [str(w.message) for w in said if issubclass(w.category, asdic.Remark)]
+    tap.equal(sum("beyond the maximum range" in message for message in told), 1, f"{told}")
+
+
 def test_nothing_is_left_behind():
     """Handles are destroyed: a thousand pings cost no more memory than one."""
     need_device()

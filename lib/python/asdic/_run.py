@@ -60,7 +60,9 @@ def _kept(scene: SceneLike, folder: Folder, force: bool, resume: bool) -> SceneL
         return scene  # refused below
     if is_other and not force:
         raise fail(ExistsError, f"{path} is there, and is another scene; force replaces it")
-    load_mission(Context(), scene)  # nothing is written of a scene with errors
+    context = Context()
+    context.is_quiet = True  # what is saved warns of the same
+    load_mission(context, scene)  # nothing is written of a scene with errors
     return scene.save(folder)
 
 
