@@ -590,6 +590,36 @@ def test_what_is_before_an_echo_of_many_rays_is_seen():
         tap.equal(near["detected"] > 270, True, f"{near}, at 10 dB")
 
 
+# A fan in an attitude of its own at every ping.
+ROLLING = """version: 1
+bottom: {depth_m: 12, type: sand}
+sonar:
+  frequency_khz: 300
+  ping_rate_hz: 50
+  source_level_db: 200
+  bin_length_m: 0.5
+  receivers: {fan: {count: BEAMS, sector_deg: 90}}
+mission: {track: rolling.csv}
+sampling: {rays: 2000}
+detector: {pfa: 1.0e-3}
+output: {images: [], csv: none}
+"""
+
+
+def test_many_attitudes_of_many_beams_are_simulated():
+    """Over a plane, where integrals would take a minute; without a device they do."""
+    need_device()
+    with Folder() as folder:
+        for beams, turns, background in ((500, 21, "simulated"), (500, 1, "flat"), (16, 12, "flat")):
+            folder.write("rolling.csv", "time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n" + "".join(
+                f"{k / 50},0,0,{7 + k / 100},{min(k, turns - 1) / 10},{-min(k, turns - 1) / 20},{k}\n" for k in range(22)))
+            folder.write("rolling.yaml", ROLLING.replace("BEAMS", str(beams)))
+            asdic("run", "rolling.yaml", "-o", "out", "-q", "-f", cwd=folder.path).check(0)
+            found = asdic("detect", "out", "--json", "-f", *COARSE, cwd=folder.path).check(0)
+            tap.equal("the background is simulated" in found.err, False, "a note, which only who waits reads")
+            tap.equal(json.loads(found.out)["background"], background, f"{beams} beams, {turns} attitudes")
+
+
 def test_a_background_may_be_quiet():
     """Of a source of 0 dB and without noise, levels are far below 1 uPa: errors are shares of them all the same."""
     need_device()

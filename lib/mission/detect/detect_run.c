@@ -23,6 +23,10 @@
 /* Attitudes of a straight leg differ by rounding. A beam of half a degree falls by up to 3 dB a mrad where it still
  * hears: this step is worth 0.003 dB. */
 #define STEP_RAD 1e-6
+/* Levels over a plane take some 6 ms of a processor a beam and attitude; a ping of 16 beams is simulated in less. Of
+ * more beams a background is simulated where levels would take longer than a minute. */
+#define FEW_BEAMS 16
+#define MOST_ATTITUDES 10000
 
 asdic_detect_options asdic_detect_options_default(void) {
     return (asdic_detect_options){.cfar = asdic_cfar_default(),
@@ -203,7 +207,44 @@ static asdic_status find_mirrors(asdic_detect_job *job, bool *mirrors) {
     return ASDIC_OK;
 }
 
-/* Over a bottom that is no plane, or with mirrors, a background is simulated, where that can be. */
+/* The attitude at PING, as a place without a depth. */
+static asdic_expected_place attitude_at(const asdic_detect_job *job, size_t ping) {
+    const asdic_pose pose =
+        asdic_mission_pose(job->mission, job->run->facts.first_ping + ping, NULL);
+    const asdic_flat_scene any = {0};
+    return asdic_expected_place_on_grid(&any, &pose, 0.0, STEP_RAD);
+}
+
+/* Whether so many attitudes follow each other that levels over a plane take longer than simulating them. */
+static bool turns_often(const asdic_detect_job *job) {
+    size_t attitudes = 1, most = MOST_ATTITUDES / job->info.beams;
+    if (!job->mission || job->info.beams < FEW_BEAMS) {
+        return false;
+    }
+    asdic_expected_place before = attitude_at(job, 0);
+    for (size_t i = 1; i < job->info.pings && attitudes <= most; i++) {
+        asdic_expected_place now = attitude_at(job, i);
+        attitudes += !asdic_expected_is_near(&before, &now, 0.0, 0.0);
+        before = now;
+    }
+    return attitudes > most;
+}
+
+/* Simulates the background over a plane, which can be computed as well: without a device it is. */
+static asdic_status try_to_simulate(asdic_detect_job *job) {
+    asdic_log(job->ctx, ASDIC_LOG_NOTE,
+              "the background is simulated: so many beams and attitudes take longer to integrate; "
+              "--background flat does");
+    asdic_status status = simulate_background(job);
+    if (status == ASDIC_ERROR_DEVICE) {
+        job->background = ASDIC_BACKGROUND_FLAT;
+        status = ASDIC_OK;
+    }
+    return status;
+}
+
+/* Over a bottom that is no plane, or with mirrors, a background is simulated, where that can be; or where it is
+ * quicker. */
 static asdic_status choose_background(asdic_detect_job *job) {
     asdic_background_source wanted =
         job->options->has_cfar ? ASDIC_BACKGROUND_CFAR : job->options->background;
@@ -222,9 +263,13 @@ static asdic_status choose_background(asdic_detect_job *job) {
     if (is_auto && !is_known && !job->mission) {
         job->background = ASDIC_BACKGROUND_CFAR;
     }
-    if (job->background == ASDIC_BACKGROUND_SIMULATED) {
+    if (is_auto && is_known && turns_often(job)) {
+        job->background = ASDIC_BACKGROUND_SIMULATED;
+        TRY(try_to_simulate(job));
+    } else if (job->background == ASDIC_BACKGROUND_SIMULATED) {
         TRY(simulate_background(job));
-    } else if (job->background == ASDIC_BACKGROUND_FLAT) {
+    }
+    if (job->background == ASDIC_BACKGROUND_FLAT) {
         TRY(asdic_ping_create(job->ctx, job->info.beams, job->info.bins, &job->expected));
         TRY(asdic_ring_shelf_create(job->ctx, ATTITUDES, &job->shelf));
     }
