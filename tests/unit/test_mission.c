@@ -486,6 +486,28 @@ static void phase_is_needed_where_an_array_is_more_than_an_aperture(void **state
     }
 }
 
+/* Of the two rows of a bin, one for each beam, either has its beam's name: a letter more is a byte more. */
+static void names_of_beams_count_in_tables(void **state) {
+    const workshop *w = *state;
+    uint64_t bytes[3];
+    for (int i = 0; i < 3; i++) {
+        char text[400], path[128];
+        asdic_mission *m = NULL;
+        snprintf(text, sizeof text,
+                 "version: 1\nbottom: {depth_m: 12}\nmission: {pose: {position_m: [0, 0, 7]}}\n"
+                 "sonar: {frequency_khz: 100, max_range_m: 50, bin_length_m: 0.5, receivers: "
+                 "[{name: a%s}, {name: b%s}]}\noutput: {csv: long}\n",
+                 i == 1 ? "123456789" : "", i == 2 ? "123456789" : "");
+        write_file(w, "scene.yaml", text);
+        snprintf(path, sizeof path, "%s/scene.yaml", w->folder);
+        assert_ok(w->ctx, asdic_mission_load(w->ctx, path, &m));
+        bytes[i] = asdic_mission_ping_bytes(m);
+        asdic_mission_destroy(&m);
+    }
+    assert_close((double)(bytes[1] - bytes[0]), 900, 1);
+    assert_close((double)(bytes[2] - bytes[0]), 900, 1);
+}
+
 static void flat_bottom_and_rest(void **state) {
     const workshop *w = *state;
     asdic_mission *m = load(w, "{depth_m: 12, type: 2.5}",
@@ -810,6 +832,7 @@ static void drawn_rays_obey_snell(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(names_of_beams_count_in_tables),
         cmocka_unit_test(flat_bottom_and_rest),
         cmocka_unit_test(sloping_bottom_and_track),
         cmocka_unit_test(open_water),
