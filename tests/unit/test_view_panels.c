@@ -672,6 +672,41 @@ static bool is_written(const char *word) {
     return false;
 }
 
+/* White pixels of the map: the vehicle's fill alone. */
+static size_t white_pixels(const asdic_view *v) {
+    cairo_surface_t *surface = v->canvas.surface;
+    const asdic_box box = v->layout.plan;
+    size_t count = 0;
+    cairo_surface_flush(surface);
+    const unsigned char *data = cairo_image_surface_get_data(surface);
+    for (size_t y = (size_t)box.y; y < (size_t)(box.y + box.h); y++) {
+        const unsigned char *row = data + y * (size_t)cairo_image_surface_get_stride(surface);
+        for (size_t x = (size_t)box.x; x < (size_t)(box.x + box.w); x++) {
+            count += row[4 * x] == 255 && row[4 * x + 1] == 255 && row[4 * x + 2] == 255;
+        }
+    }
+    return count;
+}
+
+/* An arrow of 0.74 times its size squared, 8 pixels in a window of 1280 and 16 in one of 2560, less half a line round
+ * it. */
+static void the_vehicle_is_as_large_as_the_window(void **state) {
+    (void)state;
+    size_t white[2];
+    for (int i = 0; i < 2; i++) {
+        asdic_view_options o = small();
+        o.width *= 2 * (i + 1);
+        o.height *= 2 * (i + 1);
+        asdic_view *v = try_view("[{name: a}]", "sampling: {rays: 256}", &o, ASDIC_OK);
+        step(v, 1);
+        draw(v);
+        white[i] = white_pixels(v);
+        close_view(v);
+    }
+    assert_true(white[0] >= 8 && white[0] < 48);
+    assert_true(white[1] >= 95 && white[1] < 190);
+}
+
 /* As far apart as the scale bar is long: lines of equal east, which go down the map, and of equal north. */
 static void the_map_is_to_scale(void **state) {
     (void)state;
@@ -831,6 +866,7 @@ int main(void) {
         cmocka_unit_test(larger_frames_have_larger_words_not_more),
         cmocka_unit_test(what_stands_out_is_red),
         cmocka_unit_test(panels_fill_the_frame),
+        cmocka_unit_test(the_vehicle_is_as_large_as_the_window),
         cmocka_unit_test(the_map_is_to_scale),
         cmocka_unit_test(the_map_knows_a_flat_floor),
         cmocka_unit_test(a_trail_lies_behind_the_vehicle),
