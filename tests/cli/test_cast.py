@@ -96,19 +96,20 @@ def test_errors_name_the_line():
     head = "depth_m,sound_speed_mps\n"
     with Folder() as folder:
         for cast, line, part in (
-                (head + "0,1490\n5,1485\n5,1480\n", 4, "'depth_m' = 5 is not below the 5 m of the row before"),
-                (head + "0,1490\n5,1299\n", 3, "'sound_speed_mps' = 1299 is out of range [1300, 1700] m/s"),
+                (head + "0,1490\n5,1485\n5,1480\n", 4, "'depth_m' = 5 is not deeper than 5 at line 3"),
+                (head + "0,1490\n5,1299\n", 3, "'sound_speed_mps' = 1299 is out of range [1300, 1700]"),
                 (head + "0,1490\n", 2, "1 point; a cast has 2 to 64"),
                 (head + "".join(f"{z},1490\n" for z in range(65)), 66, "65 points; a cast has 2 to 64"),
-                (head + "-1,1490\n5,1480\n", 2, "'depth_m' = -1 is out of range [0, 11000] m"),
+                (head + "-1,1490\n5,1480\n", 2, "'depth_m' = -1 is out of range [0, 11000]"),
                 ("depth_m,temperature_degc\n0,20\n5,50\n", 3, "'temperature_degc' = 50 is out of range [-2, 40]"),
                 (head + "0,1490\n5,warm\n", 3, "'sound_speed_mps' = warm"),
                 ("depth,sound_speed_mps\n0,1490\n", 1, "missing column 'depth_m'"),
                 ("# C\n\nDepth_m,Sound_Speed_mps\n0,1490\n", 3,
-                 "neither a column 'sound_speed_mps' nor 'temperature_degc'; the header is depth_m,sound_speed_mps or "
-                 "depth_m,temperature_degc[,salinity_ppt], in any order"),
+                 "none of the columns is known; the header is depth_m,sound_speed_mps in any order, or "
+                 "depth_m,temperature_degc[,salinity_ppt]"),
+                ("depth_m,temperature_degc\n0,20\n11000,35\n", 3, "the sound speed of 1"),
                 ("depth_m;sound_speed_mps\n0;1490\n5;1480\n", 1, "separated by semicolons; they must be by commas"),
-                (head + "0,1490,5\n5,1485,5\n", 2, "3 fields, but the header has 2")):
+                (head + "0,1490,5\n5,1485\n6,1484\n", 2, "3 fields, but the header has 2")):
             err = refused(folder, FILE, cast)
             tap.contains(err, f"cast.csv:{line}:")
             tap.contains(err, part)
