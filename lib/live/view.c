@@ -7,6 +7,7 @@
 #include "base/vec.h"
 #include "loop.h"
 #include "mission/mission.h"
+#include "out/beam_width.h"
 #include "out/raster.h"
 
 #include <math.h>
@@ -40,12 +41,11 @@ asdic_pose asdic_view_sonar_pose(const asdic_view *view) {
     return asdic_sweep_sonar(&sweep, &view->ping.pose, view->ping.ping);
 }
 
-/* sinc^2(L sin(theta) / lambda) = 1/2 at L sin(theta) / lambda = 0.443. */
 double asdic_view_half_width_rad(const asdic_view *view, double length_m) {
     double speed_mps = asdic_environment_sound_speed_mps(asdic_mission_environment(view->mission),
                                                          view->ping.pose.position_m.z);
     double wavelength_m = speed_mps / asdic_mission_sonar(view->mission)->frequency_hz;
-    return asin(fmin(0.443 * wavelength_m / length_m, 1.0));
+    return 0.5 * asdic_half_power_rad(wavelength_m, length_m);
 }
 
 double asdic_view_mission_speed_mps(const asdic_view *view) {

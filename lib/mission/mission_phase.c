@@ -4,6 +4,7 @@
 #include "mission.h"
 
 #include "base/vec.h"
+#include "out/beam_width.h"
 #include "scene/scene.h"
 #include "sim/environment.h"
 #include "sim/ring.h"
@@ -83,9 +84,6 @@ static bool has_grating_lobes(const asdic_sonar *sonar, double wavelength_m) {
            wavelength_m / sonar->array.spacing_m < 1.0 + outermost_sine(sonar);
 }
 
-/* Half a power's half width of an aperture, as the sine times its wavelengths. */
-#define HALF_WIDTH_WL 0.443
-
 /* How far out of the array's plane sound is sent and heard, to half its power; radians. */
 static double height_rad(const asdic_sonar *sonar, double wavelength_m) {
     asdic_pose level = {0};
@@ -93,7 +91,7 @@ static double height_rad(const asdic_sonar *sonar, double wavelength_m) {
     asdic_vec3 upright = {element.m[0][2], element.m[1][2], element.m[2][2]};
     double tilt = asdic_vec3_dot(asdic_beam_axis(&sonar->transmitter, &level), upright);
     double tallest_m = fmax(sonar->array.element.length_v_m, sonar->transmitter.length_v_m);
-    return asin(fmin(fabs(tilt), 1.0)) + asin(fmin(HALF_WIDTH_WL * wavelength_m / tallest_m, 1.0));
+    return asin(fmin(fabs(tilt), 1.0)) + 0.5 * asdic_half_power_rad(wavelength_m, tallest_m);
 }
 
 /* How far aside of the upright plane that pings of intensities have, the outermost beam's cone lies there; NAN: by no
@@ -103,9 +101,9 @@ static double cone_apart_rad(const asdic_sonar *sonar, double wavelength_m) {
     double sine = outermost_sine(sonar);
     double level_cosine = cos(fmin(height_rad(sonar, wavelength_m), 0.5 * ASDIC_PI));
     double apart_rad = asin(fmin(sine / fmax(level_cosine, 1e-9), 1.0)) - asin(fmin(sine, 1.0));
-    double length_wl = (double)a->elements * a->spacing_m / wavelength_m;
-    double half_rad = HALF_WIDTH_WL / (length_wl * sqrt(fmax(1.0 - sine * sine, 1e-9)));
-    return a->elements > 0 && apart_rad > half_rad ? apart_rad : NAN;
+    double seen_m = (double)a->elements * a->spacing_m * sqrt(fmax(1.0 - sine * sine, 1e-9));
+    double width_rad = asdic_half_power_rad(wavelength_m, seen_m);
+    return a->elements > 0 && apart_rad > 0.5 * width_rad ? apart_rad : NAN;
 }
 
 bool asdic_mission_needs_phase(const asdic_mission *mission, char *reason, size_t size) {

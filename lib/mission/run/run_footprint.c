@@ -2,6 +2,7 @@
 
 #include "base/context.h"
 #include "base/vec.h"
+#include "out/beam_width.h"
 #include "sim/bent_ray.h"
 #include "sim/ring.h"
 
@@ -31,12 +32,6 @@ typedef struct cut {
     sight lower, upper;           /* its edges, or the last before them that meets the bottom */
 } cut;
 
-/* From the axis to half power, one way: the pattern sinc^2 u of a line is a half at u = 0.4429 (R.
- * J. Urick, Principles of Underwater Sound, 3rd ed., 1983, table 3.2). */
-double asdic_footprint_half_width_rad(double wavelength_m, double length_m) {
-    return asin(fmin(0.442946 * wavelength_m / length_m, 1.0));
-}
-
 /* AZIMUTH and DOWN from the axis of BEAM. */
 static asdic_vec3 direction(const asdic_pose *pose, const asdic_beam *beam, double azimuth_rad,
                             double down_rad) {
@@ -50,15 +45,15 @@ static asdic_vec3 direction(const asdic_pose *pose, const asdic_beam *beam, doub
 static cut cut_at(const asdic_swath *s, const asdic_beam *beam, double azimuth_rad) {
     return (cut){.beam = beam,
                  .azimuth_rad = azimuth_rad,
-                 .half_rad = asdic_footprint_half_width_rad(s->wavelength_m, beam->length_v_m)};
+                 .half_rad = 0.5 * asdic_half_power_rad(s->wavelength_m, beam->length_v_m)};
 }
 
 /* Whether the beams are all round, so that the outermost are neighbours. */
 static bool goes_round(const asdic_swath *s) {
     const asdic_beam *first = &s->beams[0], *last = &s->beams[s->count - 1];
     return last->yaw_rad - first->yaw_rad +
-               asdic_footprint_half_width_rad(s->wavelength_m, first->length_h_m) +
-               asdic_footprint_half_width_rad(s->wavelength_m, last->length_h_m) >=
+               0.5 * asdic_half_power_rad(s->wavelength_m, first->length_h_m) +
+               0.5 * asdic_half_power_rad(s->wavelength_m, last->length_h_m) >=
            2.0 * ASDIC_PI;
 }
 
@@ -66,7 +61,7 @@ static bool goes_round(const asdic_swath *s) {
 static size_t cut_swath(const asdic_swath *s, bool is_round, cut cuts[MOST_ACROSS]) {
     size_t n = 0;
     const asdic_beam *first = &s->beams[0], *last = &s->beams[s->count - 1];
-    double half_rad = asdic_footprint_half_width_rad(s->wavelength_m, first->length_h_m);
+    double half_rad = 0.5 * asdic_half_power_rad(s->wavelength_m, first->length_h_m);
     if (s->count == 1) {
         while (n < ACROSS) {
             double share = 2.0 * (double)n / (ACROSS - 1) - 1.0;
@@ -75,7 +70,7 @@ static size_t cut_swath(const asdic_swath *s, bool is_round, cut cuts[MOST_ACROS
         return n;
     }
     size_t step = (s->count - 1) / (MOST_ACROSS - 3) + 1;
-    double last_rad = asdic_footprint_half_width_rad(s->wavelength_m, last->length_h_m);
+    double last_rad = 0.5 * asdic_half_power_rad(s->wavelength_m, last->length_h_m);
     if (!is_round) {
         cuts[n++] = cut_at(s, first, -half_rad);
     }

@@ -24,9 +24,6 @@ typedef struct asdic_swath {
     const asdic_layers *layers; /* of water that bends rays; NULL: they are straight */
 } asdic_swath;
 
-/* Of the main lobe of an aperture, from its axis to half power, one way. */
-double asdic_footprint_half_width_rad(double wavelength_m, double length_m);
-
 /* Outline of the area where the main lobes (half power, one way) meet the bottom within the range,
  * for a vehicle at POSE. Lobes that do not meet it are drawn themselves, dashed, out to the range.
  * OUT's coordinates are freed by _finish. */

@@ -4,6 +4,7 @@
 #include "base/context.h"
 #include "base/try.h"
 #include "base/vec.h"
+#include "out/beam_width.h"
 #include "out/digits.h"
 #include "out/raster.h"
 #include "run_folder.h"
@@ -73,8 +74,8 @@ static size_t side_by_side(const asdic_sonar *sonar, size_t index, double wavele
     for (; end < sonar->receiver_count && !asdic_beams_make_fan(sonar); end++) {
         const asdic_beam *beam = &sonar->receivers[end], *before = beam - 1;
         double step_rad = beam->yaw_rad - before->yaw_rad;
-        double touch_rad = asdic_footprint_half_width_rad(wavelength_m, beam->length_h_m) +
-                           asdic_footprint_half_width_rad(wavelength_m, before->length_h_m);
+        double touch_rad = 0.5 * asdic_half_power_rad(wavelength_m, beam->length_h_m) +
+                           0.5 * asdic_half_power_rad(wavelength_m, before->length_h_m);
         if (!(step_rad > 0.0 && step_rad <= touch_rad)) {
             return end - index;
         }
