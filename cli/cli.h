@@ -113,6 +113,9 @@ bool cli_bad_usage(const cli *c);
  * and devices. False after a report. */
 bool cli_may_write(cli *c, const char *path);
 
+/* Bytes of PATH before the ending of its file name, ".png". */
+size_t cli_stem(const char *path);
+
 /* Whether the file of OPTION, if that is given, is called as a picture, or has no ending. False after a report. */
 bool cli_is_picture(cli *c, const char *option);
 

@@ -49,7 +49,7 @@ static asdic_status set_gain(cli *c, const char *folder, double db_per_decade,
 
 /* Whether a picture that goes to PATH is no PNG. */
 static bool is_vector(const char *path, asdic_picture_format format) {
-    const char *ending = path + render_stem(path);
+    const char *ending = path + cli_stem(path);
     bool says_so = strcasecmp(ending, ".pdf") == 0 || strcasecmp(ending, ".svg") == 0;
     return format == ASDIC_PICTURE_BY_NAME ? says_so : format != ASDIC_PICTURE_PNG;
 }
@@ -69,7 +69,7 @@ static bool check_mosaic(cli *c, const char *mosaic) {
             return false;
         }
     }
-    const char *ending = mosaic ? mosaic + render_stem(mosaic) : "";
+    const char *ending = mosaic ? mosaic + cli_stem(mosaic) : "";
     if (mosaic && (strcmp(mosaic, "-") == 0 || (*ending && strcasecmp(ending, ".png") != 0))) {
         cli_usage(c, "--mosaic '%s': a PNG file with a world file beside it, so a name in .png",
                   mosaic);
@@ -84,7 +84,7 @@ static bool may_write_mosaic(cli *c, const char *path) {
     if (!path) {
         return true;
     }
-    snprintf(world, sizeof world, "%.*s.pgw", (int)render_stem(path), path);
+    snprintf(world, sizeof world, "%.*s.pgw", (int)cli_stem(path), path);
     return cli_may_write(c, path) && cli_may_write(c, world);
 }
 
@@ -121,7 +121,7 @@ static int run(cli *c) {
         options.images != 1u << ASDIC_IMAGE_ASCOPE) {
         return cli_usage(c, "--video is of '--images fan' or '--images ascope'");
     }
-    if (video && strlen(video + render_stem(video)) < 2) {
+    if (video && strlen(video + cli_stem(video)) < 2) {
         return cli_usage(c,
                          "--video '%s': a file, by whose ending ffmpeg knows what to write, as "
                          "fan.mp4",

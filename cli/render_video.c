@@ -128,14 +128,9 @@ static bool finish(film *f, asdic_status status) {
     return false;
 }
 
-size_t render_stem(const char *path) {
-    const char *name = strrchr(path, '/'), *dot = strrchr(name ? name : path, '.');
-    return dot ? (size_t)(dot - path) : strlen(path);
-}
-
 /* "fan.part.mp4" of "fan.mp4", and "fan.part.mp4.png" for the frames. */
 static bool name_parts(film *f) {
-    size_t stem = render_stem(f->path);
+    size_t stem = cli_stem(f->path);
     if (asprintf(&f->part, "%.*s.part%s", (int)stem, f->path, f->path + stem) < 0) {
         f->part = NULL;
     }

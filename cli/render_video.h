@@ -6,9 +6,6 @@
 
 #include "cli.h"
 
-/* Bytes of PATH before the ending of its file name, ".png". */
-size_t render_stem(const char *path);
-
 /* A frame for each ping of the run in FOLDER, its fan or the one picture of a ping that OPTIONS
  * choose, into PATH; the file's ending says the format. Returns an exit code. */
 int render_video(cli *c, const char *folder, const asdic_render_options *options, const char *path);

@@ -48,12 +48,16 @@ bool cli_may_write(cli *c, const char *path) {
     return true;
 }
 
+size_t cli_stem(const char *path) {
+    const char *name = strrchr(path, '/'), *dot = strrchr(name ? name : path, '.');
+    return dot ? (size_t)(dot - path) : strlen(path);
+}
+
 bool cli_is_picture(cli *c, const char *option) {
     static const char *const endings[] = {"", ".png", ".pdf", ".svg"};
-    const char *path = cli_text(c, option), *name = path ? strrchr(path, '/') : NULL;
-    const char *dot = path ? strrchr(name ? name : path, '.') : NULL;
+    const char *path = cli_text(c, option), *ending = path ? path + cli_stem(path) : "";
     for (size_t i = 0; i < sizeof endings / sizeof *endings; i++) {
-        if (strcasecmp(dot ? dot : "", endings[i]) == 0) {
+        if (strcasecmp(ending, endings[i]) == 0) {
             return true;
         }
     }
