@@ -35,15 +35,17 @@ static const char *const summaries[] = {"dataset.json", "manifest.jsonl", "class
 /* A name has six digits for its number. */
 #define MOST_FRAMES 1000000u
 
-/* How many frames the set has that SET, the text of its dataset.json, is about; *FROM and *BEHIND are where the
- * text says so. 0: it does not. */
-static size_t count_in(const char *set, const char **from, const char **behind) {
+/* Where SET, the text of a dataset.json, says how many frames there are; NULL: nowhere. */
+static const char *count_in(const char *set) {
     static const char key[] = "\"frames\":";
     const char *at = strstr(set, key);
-    char *end = NULL;
-    size_t frames = at ? strtoull(at + strlen(key), &end, 10) : 0;
-    *from = at ? at : set;
-    *behind = at ? end : set;
+    return at ? at + strlen(key) : NULL;
+}
+
+/* How many; 0: it does not say. */
+static size_t frames_of(const char *set) {
+    const char *count = count_in(set);
+    size_t frames = count ? strtoull(count, NULL, 10) : 0;
     return frames <= MOST_FRAMES ? frames : 0;
 }
 
@@ -63,11 +65,10 @@ static asdic_status make_folder(asdic_context *ctx, const char *path) {
 /* Removes what a set wrote into FOLDER: its frames, by their records, and the files about all. */
 static asdic_status clear(asdic_context *ctx, const char *folder) {
     char path[4096], *text = NULL;
-    const char *from, *behind;
     size_t length = 0;
     snprintf(path, sizeof path, "%s/dataset.json", folder);
     TRY(asdic_file_read(ctx, path, MOST_BYTES, &text, &length));
-    size_t frames = count_in(text, &from, &behind);
+    size_t frames = frames_of(text);
     free(text);
     for (size_t k = 0; k < frames; k++) {
         for (size_t i = 0; i < FOLDERS; i++) {
@@ -116,11 +117,10 @@ asdic_status asdic_dataset_enter(asdic_context *ctx, const asdic_dataset_options
 
 /* Whether the sets that A and B are about differ at most in their number of frames. */
 static bool are_alike(const char *a, const char *b) {
-    const char *from_a, *behind_a, *from_b, *behind_b;
-    count_in(a, &from_a, &behind_a);
-    count_in(b, &from_b, &behind_b);
-    return from_a - a == from_b - b && strncmp(a, b, (size_t)(from_a - a)) == 0 &&
-           strcmp(behind_a, behind_b) == 0;
+    static const char digits[] = "0123456789";
+    const char *in_a = count_in(a), *in_b = count_in(b);
+    return in_a && in_b && in_a - a == in_b - b && strncmp(a, b, (size_t)(in_a - a)) == 0 &&
+           strcmp(in_a + strspn(in_a, digits), in_b + strspn(in_b, digits)) == 0;
 }
 
 asdic_status asdic_dataset_begin(asdic_context *ctx, const asdic_dataset_options *options,
@@ -132,8 +132,7 @@ asdic_status asdic_dataset_begin(asdic_context *ctx, const asdic_dataset_options
         return asdic_file_write_all(ctx, path, text, strlen(text));
     }
     TRY(asdic_file_read(ctx, path, MOST_BYTES, &there, &length));
-    const char *from, *behind;
-    size_t frames = count_in(there, &from, &behind);
+    size_t frames = frames_of(there);
     bool alike = strlen(there) == length && are_alike(there, text);
     free(there);
     if (!alike) {
@@ -389,8 +388,7 @@ static asdic_status merge(asdic_context *ctx, const char *const *parts, size_t c
                               "'%s' and '%s' are parts of different data sets", parts[0], parts[p]);
         }
     }
-    const char *from, *behind;
-    o->frames = o->end = count_in(set, &from, &behind);
+    o->frames = o->end = frames_of(set);
     if (o->frames == 0) {
         return asdic_fail(ctx, ASDIC_ERROR_INPUT,
                           "'%s/dataset.json' does not say how many frames there are", parts[0]);
