@@ -68,7 +68,8 @@ struct asdic_backdrop {
     uint64_t rays_done;
     char *bytes;                      /* a record */
     double *mean_lin, *variance_lin2; /* of the record; the variance of its own rays alone */
-    size_t read;                      /* the ping in them; SIZE_MAX: none */
+    double *missed_lin2; /* the variance that each bin's neighbours take for what they missed */
+    size_t read;         /* the ping in them; SIZE_MAX: none */
     uint64_t errors[ERROR_STEPS], error_count; /* of the bins that were read */
 };
 
@@ -265,7 +266,8 @@ static asdic_status prepare(asdic_backdrop *b) {
     b->bytes = malloc(b->record_bytes);
     b->mean_lin = malloc(b->cells * sizeof *b->mean_lin);
     b->variance_lin2 = malloc(b->cells * sizeof *b->variance_lin2);
-    return b->path && b->bytes && b->mean_lin && b->variance_lin2
+    b->missed_lin2 = malloc(b->cells * sizeof *b->missed_lin2);
+    return b->path && b->bytes && b->mean_lin && b->variance_lin2 && b->missed_lin2
                ? ASDIC_OK
                : asdic_fail_memory(b->run->ctx, "a background");
 }
@@ -306,8 +308,16 @@ void asdic_backdrop_close(asdic_backdrop **backdrop) {
     free(b->bytes);
     free(b->mean_lin);
     free(b->variance_lin2);
+    free(b->missed_lin2);
     free(b);
     *backdrop = NULL;
+}
+
+/* What bins beside one of this mean and variance may have missed. An echo known to a share of 1 / sqrt(N) is made of
+ * some N rays: a bin that none of them reached misses about 1 / N of it. */
+static double missed_of(double mean_lin, double variance_lin2) {
+    double mean2 = mean_lin * mean_lin;
+    return mean2 > 0.0 ? variance_lin2 * fmin(FEW_RAYS * variance_lin2 / mean2, 1.0) : 0.0;
 }
 
 static void take_record(asdic_backdrop *b) {
@@ -317,6 +327,7 @@ static void take_record(asdic_backdrop *b) {
         b->mean_lin[i] = is_known ? pow(10.0, 0.1 * (double)level[i]) : 0.0;
         double share = isnan(error[i]) ? 0.0 : (double)error[i] * 0.1 * log(10.0);
         b->variance_lin2[i] = pow(share * b->mean_lin[i], 2);
+        b->missed_lin2[i] = missed_of(b->mean_lin[i], b->variance_lin2[i]);
         if (is_known && !isnan(error[i])) {
             b->errors[(size_t)fmin(error[i] / ERROR_STEP_DB, ERROR_STEPS - 1)]++;
             b->error_count++;
@@ -335,13 +346,6 @@ double asdic_backdrop_error_db(const asdic_backdrop *b) {
     return 0.0;
 }
 
-/* The variance that CELL lends to its neighbours, of what they may have missed. An echo known to a share of 1 / sqrt(N)
- * is made of some N rays: a bin that none of them reached misses about 1 / N of it. */
-static double missed_lin2(const asdic_backdrop *b, size_t cell) {
-    double mean2 = pow(b->mean_lin[cell], 2), variance = b->variance_lin2[cell];
-    return mean2 > 0.0 ? variance * fmin(FEW_RAYS * variance / mean2, 1.0) : 0.0;
-}
-
 /* The standard error of bin N of the beam that begins at FIRST, as a share of its mean. */
 static double error_share(const asdic_backdrop *b, size_t first, size_t n) {
     size_t bins = b->run->facts.bins;
@@ -349,7 +353,7 @@ static double error_share(const asdic_backdrop *b, size_t first, size_t n) {
     size_t end = n + NEIGHBOURS + 1 < bins ? n + NEIGHBOURS + 1 : bins;
     double sum = 0.0, mean = b->mean_lin[first + n], own = b->variance_lin2[first + n];
     for (size_t k = low; k < end; k++) {
-        sum += k == n ? own : missed_lin2(b, first + k);
+        sum += k == n ? own : b->missed_lin2[first + k];
     }
     return mean > 0.0 ? sqrt(fmax(own, sum / (double)(end - low))) / mean : 0.0;
 }
