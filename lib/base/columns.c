@@ -13,7 +13,7 @@
 
 #define BYTES_MOST ((size_t)1 << 30)
 #define FIELDS_MOST 256
-#define SHOWN_MOST 40 /* letters of a value that an error repeats */
+#define SHOWN_MOST 40 /* characters of a value that an error repeats */
 
 typedef struct columns_reader {
     const asdic_columns *columns;

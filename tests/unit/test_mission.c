@@ -486,7 +486,7 @@ static void phase_is_needed_where_an_array_is_more_than_an_aperture(void **state
     }
 }
 
-/* Of the two rows of a bin, one for each beam, either has its beam's name: a letter more is a byte more. */
+/* A bin has two rows, one for each beam, and each begins with its beam's name: a character more is a byte more. */
 static void names_of_beams_count_in_tables(void **state) {
     const workshop *w = *state;
     uint64_t bytes[3];

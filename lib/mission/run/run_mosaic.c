@@ -40,9 +40,8 @@ typedef struct mosaic {
     size_t columns, rows;
     double *sum;     /* [row * columns + column], rows from south to north: intensities with gain */
     uint32_t *count; /* of pings that saw the cell */
-    bool
-        is_line; /* beams are formed of a line of elements: each hears a cone about the fan's y axis */
-    asdic_mat3 fan;    /* its axes in the sonar's */
+    bool is_line;    /* of elements, whose beams are cones about the fan's y axis */
+    asdic_mat3 fan;  /* its axes in the sonar's */
     double *edges_rad; /* of the beams, bearings in the fan's axes */
     double db_per_decade, db_per_m;
     struct {
@@ -52,10 +51,11 @@ typedef struct mosaic {
 
 /* Of what lies ALONG the fan's axes: by it a line of elements steers its beams, at any height. */
 static double bearing_of(const mosaic *m, asdic_vec3 along) {
-    bool in_front = along.x > 0.0; /* behind, nothing is heard as loudly */
-    return !m->is_line ? atan2(along.y, along.x)
-           : in_front  ? asin(along.y / asdic_vec3_length(along))
-                       : ASDIC_PI;
+    if (!m->is_line) {
+        return atan2(along.y, along.x);
+    }
+    /* Behind, nothing is heard as loudly. */
+    return along.x > 0.0 ? asin(along.y / asdic_vec3_length(along)) : ASDIC_PI;
 }
 
 /* Adds what RECORD, whose fan has these AXES, heard from (NORTH_M, EAST_M) on the floor:
