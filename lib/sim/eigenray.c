@@ -11,7 +11,7 @@
 #define MISS 1e-3
 /* What is nearer than this horizontally, m, lies straight above or below. */
 #define VERTICAL 1e-6
-#define MOST_EDGES (2 * (ASDIC_PROFILE_POINTS + 2) + 3)
+#define MOST_EDGES (2 * (ASDIC_MOST_LAYERS + 1) + 3)
 
 typedef struct search {
     const asdic_layers *layers;

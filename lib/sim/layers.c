@@ -28,7 +28,9 @@ static void add(asdic_layers *out, double bottom_m, double origin_m, double spee
         return;
     }
     double top_m = last ? last->bottom_m : -INFINITY;
-    out->layer[out->count++] = (asdic_layer){top_m, bottom_m, origin_m, speed_mps, gradient_per_s};
+    out->layer[out->count] =
+        (asdic_layer){top_m, bottom_m, origin_m, speed_mps, gradient_per_s, .number = out->count};
+    out->count++;
 }
 
 static void add_profile(const asdic_sound_profile *p, asdic_layers *out) {
@@ -151,5 +153,28 @@ void asdic_layers_between(const asdic_environment *env, const asdic_flat_scene *
         out->layer[out->count++] = all.layer[asdic_layers_find(&all, top_m)];
         out->layer[0].top_m = top_m;
         out->layer[0].bottom_m = bottom_m;
+    }
+}
+
+void asdic_layers_mirror(const asdic_layers *water, double plane_m, bool below, asdic_layers *out) {
+    size_t n = water->count;
+    out->count = 0;
+    for (size_t i = 0; i < 2 * n; i++) {
+        bool image = (i < n) == below;
+        asdic_layer layer = water->layer[image ? n - 1 - i % n : i % n];
+        *(below ? &layer.top_m : &layer.bottom_m) =
+            below ? fmax(layer.top_m, plane_m) : fmin(layer.bottom_m, plane_m);
+        if (!(layer.bottom_m > layer.top_m)) {
+            continue;
+        }
+        if (image) {
+            double top_m = layer.top_m;
+            layer.top_m = 2.0 * plane_m - layer.bottom_m;
+            layer.bottom_m = 2.0 * plane_m - top_m;
+            layer.origin_m = 2.0 * plane_m - layer.origin_m;
+            layer.gradient_per_s = -layer.gradient_per_s;
+            layer.image = true;
+        }
+        out->layer[out->count++] = layer;
     }
 }

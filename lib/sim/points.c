@@ -24,6 +24,7 @@ struct asdic_point_path {
     triple u; /* at the sonar */
     double range_m;
     double loss; /* of what goes out and comes back on it, re the source at 1 m */
+    asdic_path by;
     size_t first_ray, ray_count;
 };
 
@@ -69,6 +70,12 @@ static void add_ray(asdic_point_rays *p, triple origin, triple along, double t_m
 
 /* ---- One layer, or none ---- */
 
+/* Whether Z lies in the water; a sonar out of it sees nothing of what is in it, and the reverse. */
+static bool in_water(const asdic_scene *scene, double z) {
+    return !(scene->has_surface && z < 0.0) &&
+           !(scene->has_bottom_plane && z > scene->bottom_plane_depth_m);
+}
+
 /* How far a ray may pass beyond a plane, m: points that lie in one are rounded. */
 #define BEYOND_PLANE 1e-3
 
@@ -95,7 +102,7 @@ static asdic_status add_path(asdic_simulator *sim, size_t nth, const asdic_ping_
                   ray_transmission(absorption, range) * spread * spread *
                   ray_bending(&to.r, to.t, range, -2.0 * absorption);
     sim->points.paths[sim->points.path_count++] =
-        (asdic_point_path){nth, to.r.u, range, loss, sim->points.ray_count, 1};
+        (asdic_point_path){nth, to.r.u, range, loss, ASDIC_PATH_DIRECT, sim->points.ray_count, 1};
     const ray_medium water = {sim->setup.bend_per_m, 1.0};
     to.r.from = (triple){at.x, at.y, at.z};
     add_ray(&sim->points, ray_lift(to.r.from, water), ray_traced(&to.r, water),
@@ -103,76 +110,151 @@ static asdic_status add_path(asdic_simulator *sim, size_t nth, const asdic_ping_
     return ASDIC_OK;
 }
 
-/* ---- Layers ---- */
+/* ---- Layers, and planes that mirror ---- */
 
-/* The legs of EIGENRAY in the direction LEVEL, each as its layer's triangles see it (scene/lifted.h). */
-static void add_legs(asdic_simulator *sim, const asdic_layers *layers, const asdic_vec3 *from_m,
-                     const asdic_vec3 *level, double across_m, const asdic_eigenray *eigenray) {
-    asdic_eigenray_leg legs[ASDIC_MOST_EIGENRAY_LEGS];
+/* The water that rays meet on their way to a point, and the planes between which they keep. By way of a plane that
+ * mirrors, they go on in its image: to the point's image, with nothing but the layers in their way. */
+typedef struct passage {
+    asdic_path by;
+    const asdic_scatterer *mirror; /* NULL: none */
+    double plane_m, top_m, bottom_m;
+    asdic_layers layers;
+} passage;
+
+/* The frame of layer NUMBER's triangles (scene/lifted.h). */
+static ray_medium medium_of(const asdic_simulator *sim, size_t number, double *shift_m) {
+    bool one = sim->setup.layer_count == 0;
+    *shift_m = one ? 0.0 : sim->setup.layers[number].shift_m;
+    return (ray_medium){one ? sim->setup.bend_per_m : sim->setup.layers[number].bend_per_m, 1.0};
+}
+
+/* Where a ray Z_M deep in LAYER is in the water. */
+static double unfold(const passage *p, const asdic_layer *layer, double z_m) {
+    return layer->image ? 2.0 * p->plane_m - z_m : z_m;
+}
+
+/* LEGS of EIGENRAY in the direction LEVEL, COUNT of them, each as its layer's triangles see it. */
+static void add_legs(asdic_simulator *sim, const passage *p, const asdic_vec3 *from_m,
+                     const asdic_vec3 *level, const asdic_eigenray *eigenray,
+                     const asdic_eigenray_leg *legs, size_t count) {
     asdic_vec3 at = asdic_vec3_sub(*from_m, sim->placement->origin_m);
     triple begin = {at.x, at.y, at.z};
-    size_t count = asdic_eigenray_legs(layers, from_m->z, across_m, eigenray, legs);
     for (size_t i = 0; i < count; i++) {
-        const dev_layer *layer = &sim->setup.layers[legs[i].layer];
-        const ray_medium water = {layer->bend_per_m, 1.0};
+        const asdic_layer *layer = &p->layers.layer[legs[i].layer];
+        double shift_m;
+        const ray_medium water = medium_of(sim, layer->number, &shift_m);
         triple end = {at.x + level->x * legs[i].across_m, at.y + level->y * legs[i].across_m,
-                      legs[i].z_m - sim->placement->origin_m.z};
+                      unfold(p, layer, legs[i].z_m) - sim->placement->origin_m.z};
         triple a = ray_lift(begin, water), b = ray_lift(end, water);
         triple along = {b.x - a.x, b.y - a.y, b.z - a.z};
         double length = sqrt(dot3(along, along)), scale = 1.0 / fmax(length, NEAREST);
         double cut = i + 1 < count ? 0.0 : (1.0 - SHORT_OF_POINT) * eigenray->end.length_m;
-        a.z += layer->shift_m;
+        a.z += shift_m;
         add_ray(&sim->points, a, (triple){along.x * scale, along.y * scale, along.z * scale},
                 fmax(length - cut, 0.0));
         begin = end;
     }
 }
 
-static asdic_status add_eigenrays(asdic_simulator *sim, const asdic_layers *layers, size_t nth,
+/* How often a ray of LEGS meets the plane that mirrors. */
+static int bounces(const passage *p, double from_m, const asdic_eigenray_leg *legs, size_t count) {
+    int met = from_m == p->plane_m;
+    for (size_t i = 0; i < count; i++) {
+        bool last = i + 1 == count;
+        met += legs[i].z_m == p->plane_m && (last || p->layers.layer[legs[i].layer].image !=
+                                                         p->layers.layer[legs[i + 1].layer].image);
+    }
+    return met;
+}
+
+/* The share of the energy that the plane sends on. */
+static double mirrored(const passage *p, const asdic_eigenray *found) {
+    const asdic_layers *layers = &p->layers;
+    const asdic_layer *layer = &layers->layer[asdic_layers_find(layers, p->plane_m)];
+    double cosine = found->end.level_spm * asdic_layer_speed_mps(layer, p->plane_m);
+    return p->mirror->material.law->reflected(p->mirror,
+                                              sqrt(fmax((1.0 - cosine) * (1.0 + cosine), 0.0)));
+}
+
+static asdic_status add_eigenrays(asdic_simulator *sim, const passage *p, size_t nth,
                                   const asdic_ping_shot *shot) {
-    const asdic_scene *scene = sim->setup.scene;
     const asdic_vec3 from = shot->pose.position_m, to = sim->placement->points[nth].position_m;
     double x = to.x - from.x, y = to.y - from.y, across = hypot(x, y);
     asdic_vec3 level = {across > 0.0 ? x / across : 1.0, across > 0.0 ? y / across : 0.0, 0.0};
-    double top = scene->has_surface ? fmin(0.0, from.z) : -INFINITY;
-    double bottom = scene->has_bottom_plane ? fmax(scene->bottom_plane_depth_m, from.z) : INFINITY;
+    double to_m = p->mirror ? 2.0 * p->plane_m - to.z : to.z;
     double minus_2k = -2.0 * shot->water.absorption_np_per_m;
     asdic_eigenray rays[ASDIC_MOST_EIGENRAYS];
-    size_t count = asdic_eigenrays_find(layers, from.z, to.z, across, rays);
+    size_t count = asdic_eigenrays_find(&p->layers, from.z, to_m, across, rays);
     for (size_t i = 0; i < count; i++) {
         const asdic_eigenray *found = &rays[i];
+        asdic_eigenray_leg legs[ASDIC_MOST_EIGENRAY_LEGS];
+        size_t leg_count = asdic_eigenray_legs(&p->layers, from.z, across, found, legs);
         double range = shot->water.sound_speed_mps * found->end.time_s;
         double spread = asdic_bent_ray_limited_m2(&found->end, range);
-        if (!asdic_eigenray_keeps_between(layers, from.z, across, found, top, bottom) ||
-            !(range > NEAREST)) {
+        if (!asdic_eigenray_keeps_between(&p->layers, from.z, across, found, p->top_m,
+                                          p->bottom_m) ||
+            !(range > NEAREST) || (p->mirror && bounces(p, from.z, legs, leg_count) != 1)) {
             continue;
         }
-        double loss = asdic_simulator_source_lin(sim, &shot->water) *
+        double share = p->mirror ? mirrored(p, found) : 1.0;
+        double loss = asdic_simulator_source_lin(sim, &shot->water) * share * share *
                       exp(minus_2k * (found->end.length_m - 1.0)) / (spread * spread);
         double cosine = cos(found->elevation_rad);
-        TRY(make_room(sim, 1, ASDIC_MOST_EIGENRAY_LEGS));
-        asdic_point_path *path = &sim->points.paths[sim->points.path_count++];
-        *path = (asdic_point_path){nth,
-                                   {cosine * level.x, cosine * level.y, sin(found->elevation_rad)},
-                                   range,
-                                   loss,
-                                   sim->points.ray_count,
-                                   0};
-        add_legs(sim, layers, &from, &level, across, found);
-        path->ray_count = sim->points.ray_count - path->first_ray;
+        triple u = {cosine * level.x, cosine * level.y, sin(found->elevation_rad)};
+        TRY(make_room(sim, 1, leg_count));
+        sim->points.paths[sim->points.path_count++] =
+            (asdic_point_path){nth, u, range, loss, p->by, sim->points.ray_count, leg_count};
+        add_legs(sim, p, &from, &level, found, legs, leg_count);
     }
     return ASDIC_OK;
 }
 
 /* ---- All ways ---- */
 
+/* Straight to points, by way of the surface and by way of the bottom: to WAYS; how many there are. */
+static size_t passages(const asdic_simulator *sim, const asdic_ping_shot *shot, passage ways[3]) {
+    const asdic_scene *scene = sim->setup.scene;
+    double from_m = shot->pose.position_m.z, bottom_m = scene->bottom_plane_depth_m;
+    passage *direct = &ways[0];
+    size_t count = 1;
+    *direct = (passage){
+        .top_m = scene->has_surface ? fmin(0.0, from_m) : -INFINITY,
+        .bottom_m = scene->has_bottom_plane ? fmax(bottom_m, from_m) : INFINITY,
+    };
+    asdic_layers_of(&sim->setup.env, from_m, &direct->layers);
+    bool boundaries = sim->setup.has_mirrors && shot->ping->boundary_mirrors;
+    for (int below = 0; below < 2 && boundaries && in_water(scene, from_m); below++) {
+        size_t material = below ? scene->bottom_plane_material : scene->material_count;
+        passage *way = &ways[count];
+        *way = (passage){.by = below ? ASDIC_PATH_BY_BOTTOM : ASDIC_PATH_BY_SURFACE,
+                         .mirror = &sim->setup.scatterers[material],
+                         .plane_m = below ? bottom_m : 0.0,
+                         .top_m = direct->top_m,
+                         .bottom_m = direct->bottom_m};
+        if ((below ? scene->has_bottom_plane : scene->has_surface) &&
+            way->mirror->material.law->reflected) {
+            *(below ? &way->bottom_m : &way->top_m) =
+                2.0 * way->plane_m - (below ? way->top_m : way->bottom_m);
+            asdic_layers_mirror(&direct->layers, way->plane_m, !below, &way->layers);
+            count++;
+        }
+    }
+    return count;
+}
+
 static asdic_status find_paths(asdic_simulator *sim, const asdic_ping_shot *shot) {
-    asdic_layers layers;
-    asdic_layers_of(&sim->setup.env, shot->pose.position_m.z, &layers);
+    passage ways[3];
+    size_t count = passages(sim, shot, ways);
     sim->points.path_count = sim->points.ray_count = 0;
     for (size_t i = 0; i < sim->setup.scene->point_count; i++) {
-        TRY(sim->setup.layer_count > 0 ? add_eigenrays(sim, &layers, i, shot)
-                                       : add_path(sim, i, shot));
+        if (in_water(sim->setup.scene, shot->pose.position_m.z) !=
+            in_water(sim->setup.scene, sim->placement->points[i].position_m.z)) {
+            continue;
+        }
+        for (size_t k = 0; k < count; k++) {
+            TRY(k == 0 && sim->setup.layer_count == 0 ? add_path(sim, i, shot)
+                                                      : add_eigenrays(sim, &ways[k], i, shot));
+        }
     }
     return ASDIC_OK;
 }
@@ -203,12 +285,6 @@ static bool is_clear(const asdic_simulator *sim, const asdic_point_path *path) {
     return true;
 }
 
-/* Whether Z lies in the water; a sonar out of it sees nothing of what is in it, and the reverse. */
-static bool in_water(const asdic_scene *scene, double z) {
-    return !(scene->has_surface && z < 0.0) &&
-           !(scene->has_bottom_plane && z > scene->bottom_plane_depth_m);
-}
-
 static double gain_towards(const dev_beam *beam, triple u, double rear_lin) {
     const float *r = beam->rows;
     return beam_pattern_lin(
@@ -216,50 +292,54 @@ static double gain_towards(const dev_beam *beam, triple u, double rear_lin) {
         r[6] * u.x + r[7] * u.y + r[8] * u.z, beam->length_h_wl, beam->length_v_wl, rear_lin);
 }
 
-static void add_energy(asdic_ping *out, size_t cell, double energy) {
+static void add_energy(asdic_ping *out, asdic_component component, size_t cell, double energy) {
     double total = out->intensity_lin[ASDIC_TOTAL][cell];
     if (energy > 0.0) {
-        out->intensity_lin[ASDIC_OBJECT][cell] += energy;
+        out->intensity_lin[component][cell] += energy;
         out->intensity_lin[ASDIC_TOTAL][cell] += energy;
         out->stderr_db[cell] *= (float)(total / (total + energy));
     }
 }
 
 /* What goes out on OUTWARD and comes back on HOME. */
-static void add_echo(asdic_simulator *sim, const asdic_ping_shot *shot,
-                     const asdic_point_path *outward, const asdic_point_path *home,
-                     asdic_ping *out) {
+static asdic_status add_echo(asdic_simulator *sim, const asdic_ping_shot *shot,
+                             const asdic_point_path *outward, const asdic_point_path *home,
+                             asdic_ping *out) {
     bool same = outward == home;
+    asdic_path by = home->by ? home->by : outward->by;
     double range = same ? home->range_m : 0.5 * (outward->range_m + home->range_m);
     double bin = floor(range / sim->setup.sonar.bin_length_m);
     if (range < sim->setup.sonar.blanking_m || bin >= (double)sim->setup.bins) {
-        return;
+        return ASDIC_OK;
     }
     const dev_beam *beams = asdic_shot_beams(shot);
     double loss = same ? home->loss : sqrt(outward->loss) * sqrt(home->loss);
     double energy = loss *
                     pow(10.0, sim->placement->points[home->point].target_strength_db / 10.0) *
                     gain_towards(&beams[0], outward->u, shot->ping->rear_lin);
+    double *truth;
+    TRY(asdic_truth_point_row(sim, (asdic_truth_point){home->point, (size_t)bin, home->u.z, by},
+                              &truth));
     for (size_t b = 0; b < out->beams; b++) {
-        double gain = gain_towards(&beams[b + 1], home->u, shot->ping->rear_lin);
-        add_energy(out, b * out->bins + (size_t)bin, energy * gain);
-        asdic_truth_add_point(sim, home->point, home->u.z, b, (size_t)bin, energy * gain);
+        double heard = energy * gain_towards(&beams[b + 1], home->u, shot->ping->rear_lin);
+        add_energy(out, by ? ASDIC_MULTIPATH : ASDIC_OBJECT, b * out->bins + (size_t)bin, heard);
+        if (truth) {
+            truth[b] += heard;
+        }
     }
+    return ASDIC_OK;
 }
 
 asdic_status asdic_points_add(asdic_simulator *sim, const asdic_ping_shot *shot, asdic_ping *out) {
-    const asdic_scene *scene = sim->setup.scene;
     const asdic_point_rays *p = &sim->points;
-    if (scene->point_count == 0) {
+    if (sim->setup.scene->point_count == 0) {
         return ASDIC_OK;
     }
     TRY(find_paths(sim, shot));
     TRY(trace_paths(sim));
-    bool wet = in_water(scene, shot->pose.position_m.z);
     for (size_t i = 0; i < p->path_count; i++) {
         const asdic_point_path *home = &p->paths[i];
-        if (in_water(scene, sim->placement->points[home->point].position_m.z) != wet ||
-            !is_clear(sim, home)) {
+        if (!is_clear(sim, home)) {
             continue;
         }
         /* Paths to one point follow each other. */
@@ -269,7 +349,7 @@ asdic_status asdic_points_add(asdic_simulator *sim, const asdic_ping_shot *shot,
         }
         for (; k < p->path_count && p->paths[k].point == home->point; k++) {
             if (is_clear(sim, &p->paths[k])) {
-                add_echo(sim, shot, &p->paths[k], home, out);
+                TRY(add_echo(sim, shot, &p->paths[k], home, out));
             }
         }
     }

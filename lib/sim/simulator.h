@@ -187,6 +187,7 @@ typedef struct asdic_point_rays {
 typedef struct asdic_truth_point {
     size_t point, bin;
     double down; /* sine of its depression */
+    asdic_path by;
 } asdic_truth_point;
 
 /* Rows of truth (kernels/truth.h), of the shots on their way. */
@@ -200,7 +201,7 @@ typedef struct asdic_truth_rows {
     double *work;              /* of every thread */
     asdic_truth_point *points; /* of the current shot */
     double *point_lin;         /* their energies, [point][beam] */
-    size_t point_count;
+    size_t point_count, point_room;
 } asdic_truth_rows;
 
 /* Where asdic_simulator_profile adds up time. */

@@ -5,7 +5,6 @@
 #include "base/try.h"
 #include "base/vec.h"
 #include "base/widest.h"
-#include "eigenray.h"
 #include "pulse.h"
 #include "truth_shares.h"
 
@@ -35,7 +34,6 @@ static size_t work_of(const asdic_simulator *sim) {
 asdic_status asdic_truth_init(asdic_simulator *sim) {
     asdic_truth_rows *t = &sim->truth;
     const asdic_scene *scene = sim->setup.scene;
-    size_t beams = sim->setup.sonar.receiver_count;
     if (!sim->setup.sampling.truth) {
         return asdic_buffer_create(sim->device, 0, NULL, &t->table_buffer);
     }
@@ -48,13 +46,10 @@ asdic_status asdic_truth_init(asdic_simulator *sim) {
             "scene has %zu; leave objects or 'truth' out",
             DEV_TRUTH_MOST_ROWS - DEV_TRUTH_OBJECTS - 1, INT16_MAX, scene->object_count);
     }
-    size_t pings = sim->setup.ping_batch, points = scene->point_count;
-    points *= sim->setup.layer_count > 0 ? ASDIC_MOST_EIGENRAYS * ASDIC_MOST_EIGENRAYS : 1;
+    size_t pings = sim->setup.ping_batch;
     t->table = calloc(pings * t->rows, sizeof *t->table);
     t->work = calloc(sim->setup.threads * work_of(sim), sizeof *t->work);
-    t->points = calloc(points + 1, sizeof *t->points);
-    t->point_lin = calloc(points * beams + 1, sizeof *t->point_lin);
-    if (!t->table || !t->work || !t->points || !t->point_lin) {
+    if (!t->table || !t->work) {
         return asdic_fail_memory(sim->ctx, "what bins hold");
     }
     return asdic_buffer_create(sim->device, pings * t->rows * sizeof *t->table, NULL,
@@ -185,22 +180,41 @@ asdic_status asdic_truth_fetch(asdic_simulator *sim) {
                                       : ASDIC_OK;
 }
 
-void asdic_truth_add_point(asdic_simulator *sim, size_t point, double down, size_t beam, size_t bin,
-                           double energy) {
+static asdic_status make_point_room(asdic_simulator *sim) {
     asdic_truth_rows *t = &sim->truth;
-    if (!t->asked) {
-        return;
+    size_t room = t->point_count + t->point_count / 2 + sim->setup.scene->point_count;
+    size_t row_bytes = sim->setup.sonar.receiver_count * sizeof *t->point_lin;
+    if (t->point_count < t->point_room) {
+        return ASDIC_OK;
     }
-    size_t k = t->point_count, beams = sim->setup.sonar.receiver_count;
-    while (k > 0 && t->points[k - 1].point == point && t->points[k - 1].bin != bin) {
+    asdic_truth_point *points = realloc(t->points, room * sizeof *points);
+    t->points = points ? points : t->points;
+    double *energies = realloc(t->point_lin, room * row_bytes);
+    t->point_lin = energies ? energies : t->point_lin;
+    t->point_room = points && energies ? room : t->point_room;
+    return points && energies ? ASDIC_OK : asdic_fail_memory(sim->ctx, "what points send back");
+}
+
+/* What comes to one bin in one way from one point is one row. */
+asdic_status asdic_truth_point_row(asdic_simulator *sim, asdic_truth_point what, double **row) {
+    asdic_truth_rows *t = &sim->truth;
+    size_t beams = sim->setup.sonar.receiver_count, k = t->point_count;
+    *row = NULL;
+    if (!t->asked) {
+        return ASDIC_OK;
+    }
+    while (k > 0 && t->points[k - 1].point == what.point &&
+           (t->points[k - 1].bin != what.bin || t->points[k - 1].by != what.by)) {
         k--;
     }
-    if (k == 0 || t->points[k - 1].point != point) {
+    if (k == 0 || t->points[k - 1].point != what.point) {
+        TRY(make_point_room(sim));
         k = ++t->point_count;
-        t->points[k - 1] = (asdic_truth_point){point, bin, down};
+        t->points[k - 1] = what;
         memset(&t->point_lin[(k - 1) * beams], 0, beams * sizeof *t->point_lin);
     }
-    t->point_lin[(k - 1) * beams + beam] += energy;
+    *row = &t->point_lin[(k - 1) * beams];
+    return ASDIC_OK;
 }
 
 /* --- a tile of beams -------------------------------------------------------------------------- */
@@ -300,6 +314,9 @@ static void find_objects(const telling *to, double *energy, double *most) {
     }
     for (size_t k = 0; k < t->point_count; k++) {
         dev_uint bin = (dev_uint)t->points[k].bin;
+        if (t->points[k].by != ASDIC_PATH_DIRECT) {
+            continue;
+        }
         for (size_t b = 0; b < to->beams; b++) {
             energy[b * bins + bin] = t->point_lin[k * to->out->beams + to->beam + b];
         }
@@ -312,6 +329,17 @@ WIDEST static void weigh_floats(const float *restrict sums, const double *restri
                                 double unit, size_t bins, double *restrict moment) {
     for (size_t n = 0; n < bins; n++) {
         moment[n] = (double)sums[n] * unit * loss[n];
+    }
+}
+
+/* What comes from points by way of BY to ENERGY, [beam][bin]. */
+static void add_points_by(const telling *to, asdic_path by, double *energy) {
+    const asdic_truth_rows *t = &to->sim->truth;
+    for (size_t k = 0; k < t->point_count; k++) {
+        for (size_t b = 0; b < to->beams && t->points[k].by == by; b++) {
+            energy[b * to->out->bins + t->points[k].bin] +=
+                t->point_lin[k * to->out->beams + to->beam + b];
+        }
     }
 }
 
@@ -370,6 +398,8 @@ static void tell_tile(const telling *to) {
     if (boundaries) {
         gather(to, DEV_TRUTH_BY_SURFACE, unit, by_surface);
         gather(to, DEV_TRUTH_BY_BOTTOM, unit, by_bottom);
+        add_points_by(to, ASDIC_PATH_BY_SURFACE, by_surface);
+        add_points_by(to, ASDIC_PATH_BY_BOTTOM, by_bottom);
         smear(to, by_surface);
         smear(to, by_bottom);
     }

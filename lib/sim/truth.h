@@ -20,9 +20,8 @@ asdic_status asdic_truth_begin(asdic_simulator *sim, size_t count, asdic_ping *c
 /* After them: fetches the rows; those of a fan are fetched with its tiles. */
 asdic_status asdic_truth_fetch(asdic_simulator *sim);
 
-/* Notes that POINT, heard from DOWN (the sine of its depression), gives ENERGY to BIN of BEAM. */
-void asdic_truth_add_point(asdic_simulator *sim, size_t point, double down, size_t beam, size_t bin,
-                           double energy);
+/* *ROW: where to add what WHAT gives to each beam, until the next call; NULL where nobody asks. */
+asdic_status asdic_truth_point_row(asdic_simulator *sim, asdic_truth_point what, double **row);
 
 /* Fills the truth of ASDIC_TRUTH_BEAMS beams of OUT from BEAM on, as soon as they have the levels of SHOT and while
  * these are in a cache; where points or the pulse's length will change them, does nothing. WORKER: the thread's

@@ -4,6 +4,7 @@
  */
 #include "bent_rig.h"
 
+#include "kernels/mirror.h"
 #include "layer_steps.h"
 #include "one_layer.h"
 
@@ -124,6 +125,116 @@ static void points_echo_through_layers(void **state) {
     }
 }
 
+/* CAST, of which the last point lies DEPTH deep, and below it its image; UPSIDE_DOWN: of the cast turned over, so that
+ * what the surface mirrors is seen. */
+static asdic_sound_profile unfolded(const asdic_sound_profile *cast, bool upside_down) {
+    asdic_sound_profile out = {2 * cast->points - 1, {0}, {0}};
+    for (size_t i = 0; i < cast->points; i++) {
+        size_t from = upside_down ? cast->points - 1 - i : i;
+        double z = upside_down ? DEPTH - cast->depth_m[from] : cast->depth_m[from];
+        out.depth_m[i] = z;
+        out.depth_m[out.points - 1 - i] = 2.0 * DEPTH - z;
+        out.sound_speed_mps[i] = out.sound_speed_mps[out.points - 1 - i] =
+            cast->sound_speed_mps[from];
+    }
+    return out;
+}
+
+/* The ray by way of the surface (1), the bottom (2) or neither (0), which is the only one, and the share of its energy
+ * that comes by. */
+static stepped_ray only_ray(const asdic_environment *env, int by, double from_m, double to_m,
+                            double across_m, double lambda_m, double *share) {
+    asdic_environment water = *env;
+    stepped_ray rays[8];
+    if (by > 0) {
+        water.sound_speed_profile = unfolded(&env->sound_speed_profile, by == 1);
+    }
+    double from = by == 1 ? DEPTH - from_m : from_m;
+    double to = by == 1 ? DEPTH + to_m : by == 2 ? 2.0 * DEPTH - to_m : to_m;
+    assert_int_equal(stepped_rays(&water, from, to, across_m, rays, 8), 1);
+    double cosine = cos(rays[0].elevation) * speed_of(&water, DEPTH) / speed_of(&water, from);
+    double s = sqrt(1.0 - cosine * cosine), rms_m = by == 1 ? sea_height_rms_m(1.0) : 0.008;
+    double g = pow(4.0 * 3.14159265358979 / lambda_m * rms_m * s, 2.0);
+    *share = by == 0 ? 1.0 : exp(-g) * (by == 2 ? fluid_reflection2(s, 1.9, 1.0 / 1.1) : 1.0);
+    return rays[0];
+}
+
+/* Boundaries as mirrors of water that bends rays, in one layer and in three. */
+static void points_are_heard_over_mirrors(void **state) {
+    static const struct {
+        asdic_sound_profile cast;
+        double to_m, across_m;
+    } cases[] = {{{2, {0.0, DEPTH}, {1480.0, 1471.6}}, 9.0, 27.3},
+                 {{4, {0.0, 5.0, 9.0, DEPTH}, {1482.0, 1480.0, 1471.0, 1470.0}}, 8.0, 25.2}};
+    (void)state;
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        double *got[2] = {NULL, NULL}, worst = 0.0;
+        size_t bins = 0;
+        ping_rig r = {0};
+        for (int with = 0; with < 2; with++) {
+            r = bent_rig(0.0, 1024u);
+            r.env.wind_speed_kn = 1.0;
+            r.sampling.multipath = ASDIC_MULTIPATH_BOUNDARIES;
+            r.sonar.transmitter.length_h_m = r.sonar.transmitter.length_v_m = 1e-4;
+            r.receivers[0] = r.sonar.transmitter;
+            const double *speed = cases[k].cast.sound_speed_mps;
+            r.env.sound_speed_mps = speed[0];
+            r.env.sound_speed_gradient_per_s =
+                cases[k].cast.points == 2 ? (speed[1] - speed[0]) / DEPTH : 0.0;
+            if (cases[k].cast.points > 2) {
+                r.env.sound_speed_profile = cases[k].cast;
+            }
+            if (with) {
+                assert_ok(t.ctx, asdic_scene_add_point(r.scene, "point",
+                                                       (asdic_vec3){0.6 * cases[k].across_m,
+                                                                    0.8 * cases[k].across_m,
+                                                                    cases[k].to_m},
+                                                       10.0));
+            }
+            asdic_ping *ping = rig_shoot(&r, 0, false);
+            bins = ping->bins;
+            for (int c = 0; c < 2; c++) {
+                got[c] = got[c] ? got[c] : calloc(bins, sizeof *got[c]);
+                for (size_t n = 0; n < bins; n++) {
+                    got[c][n] += (with ? 1.0 : -1.0) *
+                                 ping->intensity_lin[c ? ASDIC_MULTIPATH : ASDIC_OBJECT][n];
+                }
+            }
+            asdic_ping_destroy(&ping);
+            rig_destroy(&r);
+        }
+        const double from_m = r.pose.position_m.z;
+        r.env.sound_speed_profile = cases[k].cast; /* for steps */
+        double c0 = speed_of(&r.env, from_m), lambda = c0 / r.sonar.frequency_hz, share[3];
+        double alpha = asdic_environment_absorption_db_per_km(&r.env, r.sonar.frequency_hz, from_m);
+        double *want[2] = {calloc(bins, sizeof **want), calloc(bins, sizeof **want)};
+        stepped_ray way[3];
+        for (int by = 0; by < 3; by++) {
+            way[by] =
+                only_ray(&r.env, by, from_m, cases[k].to_m, cases[k].across_m, lambda, &share[by]);
+        }
+        for (int pair = 0; pair < 9; pair++) {
+            int out = pair / 3, home = pair % 3;
+            const stepped_ray *a = &way[out], *b = &way[home];
+            double length = 0.5 * (a->length_m + b->length_m);
+            size_t bin = (size_t)(0.5 * c0 * (a->time_s + b->time_s) / r.sonar.bin_length_m);
+            want[pair > 0][bin] += 10.0 * share[out] * share[home] / (a->spread_m2 * b->spread_m2) *
+                                   pow(10.0, -0.2e-3 * alpha * (length - 1.0));
+        }
+        for (size_t i = 0; i < 2 * bins; i++) {
+            double w = want[i / bins][i % bins], g = got[i / bins][i % bins];
+            assert_true(w > 0.0 || fabs(g) < 1e-12);
+            worst = fmax(worst, w > 1e-9 ? fabs(10.0 * log10(fmax(g, 1e-300) / w)) : 0.0);
+        }
+        print_message("over mirrors: shares %.3g and %.3g, %.2g dB\n", share[1], share[2], worst);
+        assert_true(worst < 5e-3);
+        for (int c = 0; c < 2; c++) {
+            free(got[c]);
+            free(want[c]);
+        }
+    }
+}
+
 /* Where rays cross, the gain of each way is held to 20 dB over straight spreading: an echo by one ray there and back
  * stays within 40 dB, and those of all pairs of six rays within 36 times that. */
 static void caustics_are_held(void **state) {
@@ -220,9 +331,13 @@ static void points_hide_behind_planes(void **state) {
 int main(void) {
     t = test_device_open_or_skip();
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(points_echo_over_the_arc),   cmocka_unit_test(points_lie_on_planes),
-        cmocka_unit_test(points_echo_through_layers), cmocka_unit_test(caustics_are_held),
-        cmocka_unit_test(points_hide_behind_objects), cmocka_unit_test(points_hide_behind_planes),
+        cmocka_unit_test(points_echo_over_the_arc),
+        cmocka_unit_test(points_lie_on_planes),
+        cmocka_unit_test(points_echo_through_layers),
+        cmocka_unit_test(caustics_are_held),
+        cmocka_unit_test(points_hide_behind_objects),
+        cmocka_unit_test(points_hide_behind_planes),
+        cmocka_unit_test(points_are_heard_over_mirrors),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     test_device_close(&t);

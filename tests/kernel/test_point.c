@@ -2,6 +2,7 @@
 #include "ping_rig.h"
 
 #include "kernels/beam.h"
+#include "kernels/mirror.h"
 
 static test_device t;
 
@@ -152,6 +153,136 @@ static void points_are_hidden(void **state) {
     }
 }
 
+/* What a point sends back with BOUNDARIES as mirrors, less what comes without it; [bin] of the first beam. */
+static double *echoes_of(asdic_vec3 at, double wind_kn, asdic_component c, size_t *bins) {
+    double *sum = NULL;
+    for (int with = 0; with < 2; with++) {
+        ping_rig r = rig_create(&t);
+        r.env.wind_speed_kn = wind_kn;
+        r.sampling.rays = 1024;
+        r.sampling.multipath = ASDIC_MULTIPATH_BOUNDARIES;
+        r.sonar.receiver_count = 1;
+        r.sonar.transmitter.length_h_m = r.sonar.transmitter.length_v_m = 1e-4;
+        r.receivers[0] = r.sonar.transmitter;
+        if (with) {
+            assert_ok(t.ctx, asdic_scene_add_point(r.scene, "sphere", at, -10.0));
+        }
+        asdic_ping *ping = rig_shoot(&r, 3, false);
+        sum = sum ? sum : calloc(ping->bins, sizeof *sum);
+        *bins = ping->bins;
+        for (size_t n = 0; n < ping->bins; n++) {
+            sum[n] += (with ? 1.0 : -1.0) * ping->intensity_lin[c][n];
+        }
+        asdic_ping_destroy(&ping);
+        rig_destroy(&r);
+    }
+    return sum;
+}
+
+/* Out by each of three ways and back by each: straight, and by way of the point's images. */
+static void points_are_heard_over_mirrors(void **state) {
+    (void)state;
+    static const asdic_vec3 at[] = {{14.0, 3.0, 4.0}, {20.0, -9.0, 10.5}, {3.0, 0.0, 11.0}};
+    for (size_t k = 0; k < sizeof at / sizeof *at; k++) {
+        const double wind_kn = 2.0 + 0.5 * (double)k;
+        ping_rig r = rig_create(&t);
+        double c_mps = asdic_environment_sound_speed_mps(&r.env, 7.0);
+        double alpha = asdic_environment_absorption_db_per_km(&r.env, r.sonar.frequency_hz, 7.0);
+        double lambda = c_mps / r.sonar.frequency_hz, across = hypot(at[k].x, at[k].y);
+        const double image_z[3] = {at[k].z, -at[k].z, 24.0 - at[k].z};
+        const double rms_m[3] = {0.0, sea_height_rms_m(wind_kn), 0.008};
+        double range[3], way_lin[3];
+        for (int w = 0; w < 3; w++) {
+            range[w] = hypot(across, image_z[w] - 7.0);
+            double s = fabs(image_z[w] - 7.0) / range[w];
+            double smooth = w == 2 ? fluid_reflection2(s, 1.9, 1.0 / 1.1) : 1.0;
+            double g = pow(4.0 * 3.14159265358979 / lambda * rms_m[w] * s, 2.0);
+            way_lin[w] = smooth * exp(-g) * pow(range[w], -2.0) *
+                         pow(10.0, -0.1 * alpha * (range[w] - 1.0) / 1000.0);
+        }
+        double worst = 0.0;
+        for (int by_mirror = 0; by_mirror < 2; by_mirror++) {
+            size_t bins;
+            double *got =
+                echoes_of(at[k], wind_kn, by_mirror ? ASDIC_MULTIPATH : ASDIC_OBJECT, &bins);
+            double *want = calloc(bins, sizeof *want), most = 0.0;
+            for (int pair = 0; pair < 9; pair++) {
+                int out = pair / 3, home = pair % 3;
+                size_t bin = (size_t)(0.5 * (range[out] + range[home]) / r.sonar.bin_length_m);
+                if ((pair > 0) == by_mirror && bin < bins) {
+                    want[bin] += 0.1 * way_lin[out] * way_lin[home];
+                }
+            }
+            for (size_t n = 0; n < bins; n++) {
+                most = fmax(most, want[n]);
+            }
+            for (size_t n = 0; n < bins; n++) {
+                if (want[n] > 1e-6 * most) {
+                    worst = fmax(worst, fabs(10.0 * log10(fmax(got[n], 1e-300) / want[n])));
+                } else {
+                    assert_true(fabs(got[n]) < 1e-5 * most);
+                }
+            }
+            assert_true(most > 0.0);
+            free(got);
+            free(want);
+        }
+        print_message("a point over mirrors: off by %.2g dB at most\n", worst);
+        assert_true(worst < 1e-3);
+        rig_destroy(&r);
+    }
+}
+
+/* A box at the surface stands in the way by the mirror, not in the straight one. */
+static void check_hidden(const asdic_sound_profile *cast, double gradient_per_s) {
+    double sums[2][2] = {{0.0}};
+    for (int hidden = 0; hidden < 2; hidden++) {
+        for (int with = 0; with < 2; with++) {
+            ping_rig r = empty_sea();
+            r.env.sound_speed_profile = *cast;
+            r.env.sound_speed_gradient_per_s = gradient_per_s;
+            asdic_mesh *mesh = NULL;
+            asdic_pose pose = {.position_m = {10.0, 0.0, hidden ? 1.0 : 30.0}};
+            asdic_scene_set_surface(r.scene, true);
+            r.sampling.multipath = ASDIC_MULTIPATH_BOUNDARIES;
+            r.env.wind_speed_kn = 0.0;
+            r.sonar.receiver_count = 1;
+            r.sonar.transmitter.length_h_m = r.sonar.transmitter.length_v_m = 1e-4;
+            r.receivers[0] = r.sonar.transmitter;
+            assert_ok(t.ctx, asdic_mesh_box(t.ctx, (asdic_vec3){0.2, 4.0, 3.0}, &mesh));
+            assert_ok(t.ctx, asdic_scene_add_object(r.scene, "box", mesh, pose,
+                                                    asdic_material_bottom(2.0)));
+            if (with) {
+                assert_ok(t.ctx, asdic_scene_add_point(r.scene, "sphere",
+                                                       (asdic_vec3){20.0, 0.0, 7.0}, 30.0));
+            }
+            asdic_ping *ping = rig_shoot(&r, 3, false);
+            for (size_t n = 0; n < ping->bins; n++) {
+                double sign = with ? 1.0 : -1.0;
+                sums[hidden][0] += sign * ping->intensity_lin[ASDIC_OBJECT][n];
+                sums[hidden][1] += sign * ping->intensity_lin[ASDIC_MULTIPATH][n];
+            }
+            asdic_ping_destroy(&ping);
+            asdic_mesh_destroy(&mesh);
+            rig_destroy(&r);
+        }
+    }
+    print_message("by the mirror %.3g and %.3g of the straight echo\n", sums[0][1] / sums[0][0],
+                  sums[1][1] / sums[0][0]);
+    assert_close(sums[1][0] / sums[0][0], 1.0, 1e-6);
+    assert_true(sums[0][1] > 0.1 * sums[0][0] && fabs(sums[1][1]) < 1e-9 * sums[0][0]);
+}
+
+/* In still water, in one layer and in three. */
+static void mirror_ways_are_hidden(void **state) {
+    static const asdic_sound_profile none = {0},
+                                     cast = {4, {0, 3, 9, 40}, {1482.0, 1480.0, 1476.0, 1475.0}};
+    (void)state;
+    check_hidden(&none, 0.0);
+    check_hidden(&none, -0.6);
+    check_hidden(&cast, 0.0);
+}
+
 static void wrong_points_are_refused(void **state) {
     (void)state;
     ping_rig r = empty_sea();
@@ -174,6 +305,8 @@ int main(void) {
         cmocka_unit_test(points_meet_the_sonar_equation),
         cmocka_unit_test(points_have_no_sampling_error),
         cmocka_unit_test(points_are_hidden),
+        cmocka_unit_test(points_are_heard_over_mirrors),
+        cmocka_unit_test(mirror_ways_are_hidden),
         cmocka_unit_test(wrong_points_are_refused),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);

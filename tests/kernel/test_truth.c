@@ -455,7 +455,7 @@ static void fans_tell_depressions(void **state) {
 
 /* --- paths, and who may ask ------------------------------------------------------------------- */
 
-/* Where only one thing mirrors, all multipath is by way of it. */
+/* Where only one thing mirrors, all multipath is by way of it; a point is heard over boundaries, too. */
 static void mirrors_are_told_apart(void **state) {
     (void)state;
     for (int mirror = ASDIC_PATH_BY_SURFACE; mirror <= ASDIC_PATH_BY_OBJECT; mirror++) {
@@ -476,7 +476,8 @@ static void mirrors_are_told_apart(void **state) {
         }
         r.env.wind_speed_kn = 0.0;
         r.sampling.multipath = k.multipath;
-        add_objects(&r, &(kind){.multipath = mirror == ASDIC_PATH_BY_OBJECT}, 0);
+        bool by_object = mirror == ASDIC_PATH_BY_OBJECT;
+        add_objects(&r, &(kind){.multipath = by_object, .points = !by_object}, 0);
         asdic_ping *p = shoot(&r, &k, true);
         double most = 0.0;
         for (size_t n = 0; n < p->beams * p->bins; n++) {

@@ -433,7 +433,8 @@ static double arcs_m(const double *depth_m, const double *speed_mps, int layers,
 static void footprint_in_water_that_bends(void **state) {
     (void)state;
     const double depth_m[] = {20, 24, 30}, speed_mps[] = {1490, 1480, 1474};
-    asdic_layers layers = {2, {{-INFINITY, 24, 20, 1490, -2.5}, {24, INFINITY, 24, 1480, -1.0}}};
+    asdic_layers layers = {
+        2, {{-INFINITY, 24, 20, 1490, -2.5, 0, false}, {24, INFINITY, 24, 1480, -1.0, 1, false}}};
     asdic_beam beam = {.pitch_rad = 0.5, .length_h_m = 0.1, .length_v_m = 0.05};
     asdic_swath swath = {
         .beams = &beam, .count = 1, .wavelength_m = 0.015, .range_m = 200, .layers = &layers};
@@ -454,7 +455,7 @@ static void footprint_in_water_that_bends(void **state) {
         asdic_footprint_finish(&area);
     }
     /* Upward refraction: the lower edge, too, turns before the bottom. */
-    layers = (asdic_layers){1, {{-INFINITY, INFINITY, 20, 1490, 5.0}}};
+    layers = (asdic_layers){1, {{-INFINITY, INFINITY, 20, 1490, 5.0, 0, false}}};
     beam.pitch_rad = 0.0;
     asdic_chart_area area;
     assert_int_equal(asdic_footprint_find(ctx, &swath, &pose, &ground, &area), ASDIC_OK);
