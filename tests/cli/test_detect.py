@@ -807,6 +807,25 @@ def test_echoes_are_named_by_where_they_are_heard():
         tap.equal(named(folder, deep.replace("{name: f}", "{name: f, pitch_deg: 18}")), {"ahead", "astern"})
 
 
+def test_a_map_has_cells_by_the_bins():
+    """Half a bin, 0.5 m at least; twice as long as often as there are else more than 4 million: of 10 by 10 km 8 m."""
+    need_device()
+    way = "{track: way.csv}"
+    with Folder() as folder:
+        folder.write("way.csv", "time_s,x_m,y_m,z_m,yaw_deg,pitch_deg,roll_deg\n0,0,0,50,0,0,0\n10,1e4,1e4,50,0,0,0\n")
+        for bin_m, cell_m, mission in ((0.5, 0.5, None), (4, 2, None), (0.5, 8, way)):
+            text = POINTS.replace("sonar:", f"sonar:\n  bin_length_m: {bin_m}", 1)
+            text = text if mission is None else re.sub("mission: .*", f"mission: {mission}", text)
+            text = text.replace("sonar:", "sonar:\n  ping_rate_hz: 0.1", 1) if mission else text
+            folder.write("map.yaml", text)
+            asdic("run", "map.yaml", "-o", "out", "--force", "-q", cwd=folder.path).check(0)
+            maps = []
+            for cell in ((), ("--cell", str(cell_m)), ("--cell", str(2 * cell_m))):
+                asdic("detect", "out", *cell, "--force", "-q", cwd=folder.path).check(0)
+                maps.append((pathlib.Path(folder.path) / "out/occupancy.png").read_bytes())
+            tap.equal([m == maps[0] for m in maps], [True, True, False], f"bins of {bin_m} m")
+
+
 def test_a_map_reaches_as_far_as_a_steep_beam_hears():
     """80 degrees down and 56 tall: heard up to 0.75 heights above its axis, 38 degrees down."""
     need_device()

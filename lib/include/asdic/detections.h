@@ -27,7 +27,9 @@ typedef struct asdic_detect_options {
     bool has_cfar;                  /* the same as ASDIC_BACKGROUND_CFAR */
     asdic_cfar cfar;
     double truth_snr_db; /* an object is in a bin when its echo is so strong re all else there */
-    double cell_m;       /* of the occupancy map; NAN: none */
+    /* Of the occupancy map; NAN: none. 0: half a bin, 0.5 m at least, doubled while the map has more than 4
+     * million. */
+    double cell_m;
     asdic_tracker_options tracker;
     bool force; /* replace what an earlier call left */
     asdic_background_source background;
@@ -37,7 +39,7 @@ typedef struct asdic_detect_options {
     void *user;
 } asdic_detect_options;
 
-/* The scene's detector, expected background, 0 dB, 0.5 m, the default tracker. */
+/* The scene's detector, expected background, 0 dB, cells by the bins, the default tracker. */
 ASDIC_API asdic_detect_options asdic_detect_options_default(void);
 
 /* What a bin holds, by the expected intensities that the run recorded beside the levels. */

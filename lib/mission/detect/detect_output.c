@@ -252,6 +252,9 @@ asdic_status asdic_detect_write_tracks(asdic_detect_job *job, const asdic_record
 #define LIMIT 10.0
 /* Directions in which the map's edge is sought: 0.13 % of the reach are missed at most, mostly less than a cell. */
 #define STEP_RAD 0.1
+/* Cells that nobody gave a side: this long at least, and hardly more than so many; more no picture shows. */
+#define LEAST_CELL_M 0.5
+#define MOST_CELLS 4e6
 
 static void find_floor(const asdic_mission *mission, asdic_occupancy *map) {
     for (size_t i = 0; i < map->rows * map->columns; i++) {
@@ -289,6 +292,12 @@ asdic_status asdic_detect_create_map(asdic_detect_job *job) {
         }
     }
     double cell = job->options->cell_m;
+    if (cell == 0.0) {
+        cell = fmax(0.5 * job->info.sonar->bin_length_m, LEAST_CELL_M);
+        while ((high.x - low.x) * (high.y - low.y) > MOST_CELLS * cell * cell) {
+            cell *= 2.0;
+        }
+    }
     low.x = cell * floor(low.x / cell) - cell;
     low.y = cell * floor(low.y / cell) - cell;
     high.x += cell;

@@ -31,7 +31,6 @@
 asdic_detect_options asdic_detect_options_default(void) {
     return (asdic_detect_options){.cfar = asdic_cfar_default(),
                                   .truth_snr_db = 0.0,
-                                  .cell_m = 0.5,
                                   .tracker = asdic_tracker_options_default()};
 }
 
