@@ -407,6 +407,25 @@ static slant surface_slant(const meeting *m, triple u) {
     return a;
 }
 
+/* The strength of M for what comes IN and goes OUT, where the strengths towards both are S_IN and S_OUT, and MIDDLE lies
+ * midway between the ways there and back, of any length. Laws but that of facets do not tell: theirs is the mean in
+ * decibels, which is right for Lambert's. */
+static real strength_between(const world *w, const law_lanes *l, const meeting *m, slant in,
+                             real s_in, slant out, real s_out, triple middle, real range) {
+    real s = sqrt(s_in * s_out);
+    if (any_true(l->is_facet)) {
+        real unit2 = R(1.0) / r_max(dot3(middle, middle), R(1e-12));
+        triple across = cross3(m->surface, middle);
+        real slope = facet_slope_ms(l->formula[0], l->coherent_area_m2,
+                                    (real)(w->ping->wavelength_m), r_max(range, R(1e-3)));
+        real f = facet_strength_between_lin(
+            in.sine, out.sine, r_abs(dot3(m->surface, middle)) * sqrt(unit2),
+            dot3(across, across) * unit2, l->reflection2, l->roughness_g, slope);
+        s = choose(l->is_facet, f, s);
+    }
+    return s;
+}
+
 /* Share of the arriving energy that goes on in the mirror direction. Objects mirror by the law of the
  * facet alone, bottom and surface by any law where boundaries are mirrors. */
 static real mirrored(const world *w, const law_lanes *l, const meeting *m, slant a) {

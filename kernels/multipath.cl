@@ -8,12 +8,12 @@
  *   same way, S-O-X-O-S, at range D = d1 + d2:
  *     E = mu^2 B_T B_R(ray) s_X dOmega / sin Theta_X D^-2 exp(-2 k (D - 1))
  *   across, S-O-X-S and S-X-O-S, at range D = (d1 + d2 + d3) / 2, if X is visible from S:
- *     E = mu [B_T(ray) B_R(X) + B_T(X) B_R(ray)] sqrt(s_X(in) s_X(out)) dOmega / sin Theta_X
+ *     E = mu [B_T(ray) B_R(X) + B_T(X) B_R(ray)] s_X(in, out) dOmega / sin Theta_X
  *         d3^-2 exp(-2 k (D - 1))
  *
  * The tube's outgoing spreading cancels against its area, so that only the return spreads. D^-2 is
- * for flat mirrors; at a curved one it becomes 1 / J (ray_mirror_gain). sqrt(s_in s_out) is exact for
- * Lambert's law.
+ * for flat mirrors; at a curved one it becomes 1 / J (ray_mirror_gain). Facets tell s_X(in, out); of other laws it is
+ * sqrt(s_X(in) s_X(out)), which is exact for Lambert's law.
  *
  * Through layers the way home is found by its launch elevation, and both echoes follow from cross-sections of tubes of
  * one steradian: A over O to X (mirrored_tube), A' from X straight to the sonar. With q the sound speed at X over that
@@ -497,7 +497,10 @@ APART static uint shade_bounces(const world *w, const bounce_store *store, const
                  scattered(w, &laws, mirrored(w, &laws, &way.m, out));
     weight *= share / grazing(&way.m, way.v);
     real same = choose(met, weight * share * s_in * way.same, R(0.0));
-    real cross = choose(met, weight * sqrt(s_in * s_out) * way.cross, R(0.0));
+    triple middle = {way.x.x - way.v.x, way.x.y - way.v.y, way.x.z - way.v.z};
+    real between =
+        strength_between(w, &laws, &way.m, in, s_in, out, s_out, middle, way.cross_range);
+    real cross = choose(met, weight * between * way.cross, R(0.0));
     split_echo same_echo = split(ping, way.same_range, none, same, none);
     split_echo cross_echo = split(ping, way.cross_range, none, cross, none);
     triple back = way.back;

@@ -250,10 +250,15 @@ static real smooth_amplitude(const world *w, const found *f, const law_lanes *la
 }
 
 /* The scattering strength without the lobe that smooth pieces make themselves. */
-static real rough_strength(const world *w, const law_lanes *laws, slant met, real range) {
-    real s = strength(w, laws, met, range);
-    real cos2 = met.sine * met.sine;
-    real diffuse = laws->reflection2 * -expm1(-laws->roughness_g * cos2) * cos2 / R_PI;
+static real rough_strength(const world *w, const found *f, const law_lanes *laws, slant met_out,
+                           slant met, triple middle, real range) {
+    real s_out =
+        strength(w, laws, met_out, range) * scattered(w, laws, mirrored(w, laws, &f->m, met_out));
+    real s_in = strength(w, laws, met, range) * scattered(w, laws, mirrored(w, laws, &f->m, met));
+    real s = strength_between(w, laws, &f->m, met_out, s_out, met, s_in, middle, range);
+    real lift = R(0.5) * (met_out.sine + met.sine);
+    real diffuse = laws->reflection2 * -expm1(-laws->roughness_g * lift * lift) *
+                   (met_out.sine * met.sine) / R_PI;
     return choose(laws->is_facet & (laws->formula[0] <= R(0.0)), diffuse, s);
 }
 
@@ -319,17 +324,14 @@ __kernel void coherent_shade(__global const dev_ping *ping, __global const dev_c
     law_lanes laws = laws_met(&w, &f.m);
     triple out = met_along(sent.u, f.out), back = met_along(heard_from.u, f.back);
     slant met_out = surface_slant(&f.m, out), met = surface_slant(&f.m, back);
-    real s_out = rough_strength(&w, &laws, met_out, sent.range.high) *
-                 scattered(&w, &laws, mirrored(&w, &laws, &f.m, met_out));
-    real s_in = rough_strength(&w, &laws, met, heard_from.range.high) *
-                scattered(&w, &laws, mirrored(&w, &laws, &f.m, met));
-    real energy = sqrt(s_out * s_in) * f.share;
     real range = heard_from.range.high;
+    triple mean = mean_of_legs(out, back);
+    real energy = rough_strength(&w, &f, &laws, met_out, met, mean, range) * f.share;
     energy = choose(f.kind == DEV_KIND_POINT, f.share, energy);
     real tube = (real)(c->water_lin) * f.share * range * range;
     energy = choose(f.kind == DEV_KIND_WATER, tube, energy);
     real amplitude = sqrt(energy);
-    triple mean = mean_of_legs(out, back);
+    met.sine = R(0.5) * (met_out.sine + met.sine);
     amplitude = choose(f.smooth, smooth_amplitude(&w, &f, &laws, met, mean), amplitude);
 
     /* The transmitter and an element, and the loss of both ways. */

@@ -46,18 +46,29 @@ FORMULA real facet_slope_ms(real slope_ms, real coherent_area_m2, real wavelengt
     return r_min(slope_ms + diffraction, FACET_MOST_SLOPE_MS);
 }
 
-/* sigma, 1/sr, for the cosine and the squared sine of the incidence; SLOPE_MS > 0. In single
- * precision the squared sine should come from a cross product: near normal incidence the cosine
- * does not hold it, and a flat plate's lobe is only 1e-5 wide in it. The lobe is one exponential,
- * since exp(-tan^2 i / m) / cos^4 i taken apart is 0 * inf at grazing incidence. */
+/* sigma, 1/sr, of what comes in and goes out at incidences of the cosines COS_IN and COS_OUT; the lobe is about the
+ * direction midway between both, whose incidence has COS_MIDDLE and SIN2_MIDDLE: the pieces that reflect face there, and
+ * roughness counts by the mean of both cosines (Kirchhoff's approximation for high frequencies; F. G. Bass and I. M.
+ * Fuks, "Wave scattering from statistically rough surfaces", 1979). SLOPE_MS > 0.
+ *
+ * In single precision the squared sine should come from a cross product: near normal incidence the cosine does not hold
+ * it, and a flat plate's lobe is only 1e-5 wide in it. The lobe is one exponential, since exp(-tan^2 i / m) / cos^4 i
+ * taken apart is 0 * inf at grazing incidence. */
+FORMULA real facet_strength_between_lin(real cos_in, real cos_out, real cos_middle,
+                                        real sin2_middle, real reflection2, real g, real slope_ms) {
+    real c = r_min(r_max(cos_middle, R(1.0e-6)), R(1.0)), cos2 = c * c;
+    real lift = R(0.5) * (cos_in + cos_out), rough = g * (lift * lift);
+    real lobe = exp(R(-2.0) * log(cos2) - sin2_middle / (cos2 * slope_ms) - rough) /
+                (R(4.0) * R_PI * slope_ms);
+    real diffuse = -expm1(-rough) * (cos_in * cos_out) / R_PI;
+    return reflection2 * (lobe + diffuse);
+}
+
+/* The same of what goes back where it comes from. */
 FORMULA real facet_strength_angle_lin(real cos_incidence, real sin2, real reflection2, real g,
                                       real slope_ms) {
     real c = r_min(r_max(cos_incidence, R(1.0e-6)), R(1.0));
-    real cos2 = c * c;
-    real lobe =
-        exp(R(-2.0) * log(cos2) - sin2 / (cos2 * slope_ms) - g * cos2) / (R(4.0) * R_PI * slope_ms);
-    real diffuse = -expm1(-g * cos2) * cos2 / R_PI;
-    return reflection2 * (lobe + diffuse);
+    return facet_strength_between_lin(c, c, c, sin2, reflection2, g, slope_ms);
 }
 
 /* The same from a cosine in [0, 1] alone. */

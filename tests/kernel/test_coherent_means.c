@@ -152,6 +152,48 @@ static void elements_hear_as_much_as_intensities(void **state) {
     rig_destroy(&r);
 }
 
+/* A rough ball below a calm surface: straight, by way of the surface one way, and both ways. Out over the surface and
+ * straight home is as long as its reverse: with phase both add to four times one, without to twice. */
+static void ways_of_one_length_add_in_phase(void **state) {
+    (void)state;
+    const uint64_t pings = full ? 400 : 60;
+    ping_rig r = wide_band();
+    asdic_mesh *mesh = NULL;
+    asdic_scene_destroy(&r.scene);
+    assert_ok(t.ctx, asdic_scene_create(t.ctx, &r.scene));
+    asdic_scene_set_surface(r.scene, true);
+    assert_ok(t.ctx, asdic_mesh_sphere(t.ctx, 1.0, 64, &mesh));
+    asdic_pose pose = {.position_m = {16.0, 0.0, 6.0}};
+    assert_ok(t.ctx, asdic_scene_add_object(r.scene, "ball", mesh, pose,
+                                            asdic_material_facet(0.0, 3e-3, 0.2)));
+    asdic_mesh_destroy(&mesh);
+    r.env.wind_speed_kn = 0.0;
+    r.pose.position_m.z = 6.0;
+    r.sonar.max_range_m = 25.0;
+    r.sonar.transmitter.length_v_m = r.sonar.array.element.length_v_m = 0.002;
+    r.sonar.transmitter.length_h_m = r.sonar.array.element.length_h_m = 0.0075;
+    r.sampling.multipath = ASDIC_MULTIPATH_BOUNDARIES;
+    r.sampling.rays = 5000;
+    means m = average(&r, pings);
+    double *level = without_phase(&r, m.bins);
+    static const size_t edges[] = {14, 16, 18, 22};
+    for (int way = 0; way < 3; way++) {
+        double with = 0.0, without = 0.0;
+        for (size_t n = edges[way]; n < edges[way + 1]; n++) {
+            with += m.element[n];
+            without += level[n];
+        }
+        double more_db = 10.0 * log10(with / without), expected_db = way == 1 ? 3.01 : 0.0;
+        print_message("%d of both legs by the mirror: %.2f dB more with phase, %.2f expected\n",
+                      way, more_db, expected_db);
+        assert_close(more_db, expected_db, full ? 0.3 : 0.8);
+    }
+    free(level);
+    free(m.element);
+    free(m.beams);
+    rig_destroy(&r);
+}
+
 static double sinc(double x) {
     return fabs(x) < 1e-9 ? 1.0 : sin(0.5 * TURN * x) / (0.5 * TURN * x);
 }
@@ -239,6 +281,7 @@ int main(int argc, char **argv) {
     t = test_device_open_or_skip();
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(elements_hear_as_much_as_intensities),
+        cmocka_unit_test(ways_of_one_length_add_in_phase),
         cmocka_unit_test(beams_take_in_what_their_weights_say),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);

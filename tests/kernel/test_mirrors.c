@@ -176,12 +176,74 @@ static void a_calm_surface_shows_the_unfolded_scene(void **state) {
     asdic_ping_destroy(&pings[1]);
 }
 
+/* What a smooth ball of RADIUS_M, OUT_M and BACK_M away from both ends, returns where its normal lies midway between
+ * ways TURN_RAD apart: the tube of rays after Deschamps (1972). */
+static double ball_lin(double radius_m, double out_m, double back_m, double turn_rad) {
+    double c = cos(0.5 * turn_rad);
+    double rho1 = 1.0 / (1.0 / out_m + 2.0 / (radius_m * c));
+    double rho2 = 1.0 / (1.0 / out_m + 2.0 * c / radius_m);
+    return rho1 * rho2 / ((rho1 + back_m) * (rho2 + back_m)) / (out_m * out_m);
+}
+
+/* A polished ball below a calm surface glints midway between the straight way and that over the surface. */
+static void a_polished_ball_glints_over_a_calm_surface(void **state) {
+    (void)state;
+    const double radius_m = 1.5, depth_m = 3.0, ahead_m = 12.0;
+    /* At high frequencies the glint of a ball without slopes is too small for so many rays. */
+    static const double frequency_hz[] = {30e3, 300e3}, slope_rms[] = {0.0, 0.1};
+    /* The normal's elevation: both ways are as far from it. */
+    double low = 0.0, high = 0.5 * PI, out_m = 0.0, back_m = 0.0, turn = 0.0;
+    for (int i = 0; i < 60; i++) {
+        double e = 0.5 * (low + high);
+        double x = ahead_m - radius_m * cos(e), up = radius_m * sin(e);
+        double to_image = atan2(2.0 * depth_m - up, x), to_sonar = atan2(-up, x);
+        out_m = hypot(2.0 * depth_m - up, x);
+        back_m = hypot(up, x);
+        turn = to_image - to_sonar;
+        *(to_image - e > e - to_sonar ? &low : &high) = e;
+    }
+    for (int k = 0; k < 2; k++) {
+        target_rig r = open_sea(20.0);
+        double alpha = asdic_environment_absorption_db_per_km(&r.env, frequency_hz[k], depth_m);
+        r.env.wind_speed_kn = 0.0;
+        r.sonar.frequency_hz = frequency_hz[k];
+        r.sonar.transmitter.length_h_m = r.sonar.transmitter.length_v_m = 1e-4;
+        r.receiver = r.sonar.transmitter;
+        r.sampling.multipath = ASDIC_MULTIPATH_BOUNDARIES;
+        r.sampling.sampler = ASDIC_SAMPLER_ADAPTIVE;
+        r.sampling.rays = 1 << 20;
+        r.pose.position_m.z = depth_m;
+        r.sonar.bin_length_m = 0.1;
+        asdic_scene_set_surface(r.scene, true);
+        asdic_mesh *mesh = NULL;
+        assert_ok(t.ctx, asdic_mesh_sphere(t.ctx, radius_m, 128, &mesh));
+        add(&r, mesh, (asdic_vec3){ahead_m, 0.0, depth_m - 100.0}, 0.0, 0.0,
+            asdic_material_facet(0.0, 0.0, slope_rms[k]));
+        asdic_ping *ping = shoot_many(&r, 4);
+        double middle = 0.5 * (out_m + back_m), same = hypot(2.0 * depth_m, ahead_m) - radius_m;
+        double got = energy(ping, ASDIC_MULTIPATH, 0.0, 0.5 * (middle + same));
+        double twice = energy(ping, ASDIC_MULTIPATH, 0.5 * (middle + same), INFINITY);
+        double want = 2.0 * ball_lin(radius_m, out_m, back_m, turn) *
+                      pow(10.0, -0.2e-3 * alpha * (middle - 1.0));
+        double want_twice =
+            ball_lin(radius_m, same, same, 0.0) * pow(10.0, -0.2e-3 * alpha * (same - 1.0));
+        print_message(
+            "%g kHz: %.2f dB, %.2f expected; there and back over the surface %.2f, %.2f\n",
+            1e-3 * frequency_hz[k], db(got), db(want), db(twice), db(want_twice));
+        assert_close(db(got), db(want), 0.3);
+        assert_close(db(twice), db(want_twice), 0.3);
+        asdic_ping_destroy(&ping);
+        target_rig_destroy(&r);
+    }
+}
+
 int main(void) {
     t = test_device_open_or_skip();
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_flat_mirror_shows_the_unfolded_scene),
         cmocka_unit_test(a_curved_mirror_spreads_what_returns),
         cmocka_unit_test(a_calm_surface_shows_the_unfolded_scene),
+        cmocka_unit_test(a_polished_ball_glints_over_a_calm_surface),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     test_device_close(&t);

@@ -104,6 +104,35 @@ static void very_rough_facet_is_a_lambert_surface(void **state) {
     assert_close(sum * 3.14159265358979323846, 2.0 / 3.0, 1e-3);
 }
 
+/* What a facet of gentle slopes sends into all directions is what arrives, whole and halved, from steep and slanting
+ * ways; what it sends from A to B it sends from B to A. */
+static void a_facet_sends_on_what_arrives(void **state) {
+    (void)state;
+    const double pi = 3.14159265358979323846, slope_ms = 0.003;
+    for (double in_deg = 0.0; in_deg < 61.0; in_deg += 15.0) {
+        double c = cos(in_deg * pi / 180.0), s = sin(in_deg * pi / 180.0);
+        enum { TURNS = 720, SINES = 2000 };
+        double sum[2] = {0.0, 0.0};
+        for (int i = 0; i < TURNS * SINES; i++) {
+            double turn = (i % TURNS + 0.5) * 2.0 * pi / TURNS, co = (i / TURNS + 0.5) / SINES;
+            double so = sqrt(1.0 - co * co), x = s + so * cos(turn), y = so * sin(turn);
+            double middle = sqrt(x * x + y * y + (c + co) * (c + co));
+            double cos_middle = (c + co) / middle, sin2 = (x * x + y * y) / (middle * middle);
+            for (int rough = 0; rough < 2; rough++) {
+                double f = facet_strength_between_lin(c, co, cos_middle, sin2, 0.5,
+                                                      rough ? 1e6 : 0.0, slope_ms);
+                sum[rough] += f * 2.0 * pi / TURNS / SINES;
+                assert_true(f == facet_strength_between_lin(co, c, cos_middle, sin2, 0.5,
+                                                            rough ? 1e6 : 0.0, slope_ms));
+            }
+        }
+        print_message("from %g degrees: %.4f and %.4f of what arrives\n", in_deg, sum[0] / c,
+                      sum[1] / c);
+        assert_close(sum[0] / c, 0.5, 0.005);
+        assert_close(sum[1] / c, 0.5, 1e-6);
+    }
+}
+
 static void water_is_monotone(void **state) {
     (void)state;
     for (double s = 0.0; s <= 45.0; s += 5.0) {
@@ -184,6 +213,7 @@ int main(void) {
         cmocka_unit_test(absorption_rises_with_frequency_and_hardly_jumps_at_20_degrees),
         cmocka_unit_test(sinc2_is_even_bounded_and_zero_at_whole_numbers),
         cmocka_unit_test(very_rough_facet_is_a_lambert_surface),
+        cmocka_unit_test(a_facet_sends_on_what_arrives),
         cmocka_unit_test(water_is_monotone),
         cmocka_unit_test(noise_is_the_sum_of_its_parts),
         cmocka_unit_test(chances_are_monotone_and_continuous),
