@@ -374,7 +374,7 @@ static const cli_option options[] = {
     {"cfar-guard", 0, "N", "such bins left out next to the bin, else 2"},
     {"truth", 0, "DB",
      "an object is in a bin when its echo is so strong re all else there, else 0"},
-    {"cell", 0, "M", "side of the map's cells; default: half a bin, 0.5 m at least"},
+    {"cell", 0, "M", "side of the map's cells, else half a bin, 0.5 m at least"},
     {"speed", 0, "MPS",
      "how fast objects go that are tracked, a standard deviation north and east, else 0.5"},
     {"force", 'f', NULL, "replace the detections, or the run, that are there"},

@@ -414,7 +414,6 @@ static void help_tells_the_defaults(void **state) {
                 {&cli_detect_command, "cfar-cells", detect.cfar.cells},
                 {&cli_detect_command, "cfar-guard", detect.cfar.guard},
                 {&cli_detect_command, "truth", detect.truth_snr_db},
-                {&cli_detect_command, "cell", detect.cell_m},
                 {&cli_detect_command, "speed", detect.tracker.speed_mps},
                 {&cli_roc_command, "bearing", roc.bearing_rad},
                 {&cli_roc_command, "ping", (double)roc.ping},

@@ -27,8 +27,8 @@ typedef struct asdic_detect_options {
     bool has_cfar;                  /* the same as ASDIC_BACKGROUND_CFAR */
     asdic_cfar cfar;
     double truth_snr_db; /* an object is in a bin when its echo is so strong re all else there */
-    /* Of the occupancy map; NAN: none. 0: half a bin, 0.5 m at least, doubled while the map has more than 4
-     * million. */
+    /* Of the occupancy map; NAN: none. 0: half a bin, 0.5 m at least, doubled while the map has
+     * more than 4 million. */
     double cell_m;
     asdic_tracker_options tracker;
     bool force; /* replace what an earlier call left */
