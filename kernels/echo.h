@@ -447,16 +447,6 @@ static real mirrored(const world *w, const law_lanes *l, const meeting *m, slant
     return share;
 }
 
-/* What is left for the published scattering strengths of bottom and surface when those are mirrors as
- * well and take SHARE: no more than arrives may leave. The facet law shares out by itself. */
-static real scattered(const world *w, const law_lanes *l, real share) {
-    real left = R(1.0);
-    if (w->ping->boundary_mirrors != 0u) {
-        left = choose(l->is_facet, R(1.0), R(1.0) - share);
-    }
-    return left;
-}
-
 /* One-way gain of an aperture towards a world direction. */
 static real gain_towards(__global const dev_ping *ping, __global const dev_beam *beam, real ux,
                          real uy, real uz) {

@@ -491,10 +491,8 @@ APART static uint shade_bounces(const world *w, const bounce_store *store, const
     mask met = way.on & (way.m.kind != DEV_KIND_NONE);
     real none = R(0.0), share = way.mirror[0];
     slant in = surface_slant(&way.m, way.v), out = surface_slant(&way.m, way.x);
-    real s_in = strength(w, &laws, in, way.same_range) *
-                scattered(w, &laws, mirrored(w, &laws, &way.m, in));
-    real s_out = strength(w, &laws, out, way.same_range) *
-                 scattered(w, &laws, mirrored(w, &laws, &way.m, out));
+    real s_in = strength(w, &laws, in, way.same_range);
+    real s_out = strength(w, &laws, out, way.same_range);
     weight *= share / grazing(&way.m, way.v);
     real same = choose(met, weight * share * s_in * way.same, R(0.0));
     triple middle = {way.x.x - way.v.x, way.x.y - way.v.y, way.x.z - way.v.z};

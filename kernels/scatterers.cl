@@ -252,9 +252,7 @@ static real smooth_amplitude(const world *w, const found *f, const law_lanes *la
 /* The scattering strength without the lobe that smooth pieces make themselves. */
 static real rough_strength(const world *w, const found *f, const law_lanes *laws, slant met_out,
                            slant met, triple middle, real range) {
-    real s_out =
-        strength(w, laws, met_out, range) * scattered(w, laws, mirrored(w, laws, &f->m, met_out));
-    real s_in = strength(w, laws, met, range) * scattered(w, laws, mirrored(w, laws, &f->m, met));
+    real s_out = strength(w, laws, met_out, range), s_in = strength(w, laws, met, range);
     real s = strength_between(w, laws, &f->m, met_out, s_out, met, s_in, middle, range);
     real lift = R(0.5) * (met_out.sine + met.sine);
     real diffuse = laws->reflection2 * -expm1(-laws->roughness_g * lift * lift) *

@@ -100,11 +100,9 @@ static uint shade_rays(const world *w, const ray_store *store, const sink *to,
     slant met = surface_slant(&m, arriving);
     real energy = strength(w, &laws, met, ray_spread(&r, m.t)) / sin_grazing;
     energy *= ray_bending(&r, m.t, range, (real)(-2.0f * ping->absorption_np_per_m));
-    real share = R(0.0);
-    if (ASDIC_HAS_MIRRORS || ping->boundary_mirrors != 0u) {
-        share = mirrored(w, &laws, &m, met);
-    }
-    energy *= scattered(w, &laws, share);
+#if ASDIC_HAS_MIRRORS
+    real share = mirrored(w, &laws, &m, met);
+#endif
     real nearest = ray_plane_nearest(&r, m.t, range, m.facet, sin_grazing);
     split_echo echo = split(ping, range, nearest, energy, footprint);
 
