@@ -224,7 +224,7 @@ def test_rays_of_the_terrain_and_a_mesh():
         tap.equal(json.loads(out)["threads"], threads, "threads")
         tap.equal([r["set"] for r in rows], ["cone-dense", "cone", "sphere-dense", "sphere", "sphere-random"])
         tap.equal({r["scene"] for r in rows}, {"wreck.ply"})
-        tap.equal(all(0 < r["hits"] <= r["rays"] and r["rays_per_s"] > 0 for r in rows), True)
+        tap.equal(all(0 < r["hits"] <= r["rays"] and r["rays_per_s"] > r["rays"] for r in rows), True, "less than a second")
         if kernel != "auto":
             tap.equal({r["kernel"] for r in rows}, {kernel})
         hits.append([r["hits"] for r in rows])

@@ -118,6 +118,16 @@ def test_pictures_are_of_turns():
         tap.equal(pictures(folder, "r"), ["fan_149.png", "fan_59.png"], "the first turn and the last")
         asdic("render", folder / "r", "--images", "fan", "--ping", "80", "-o", folder / "p.png").check(code=0)
         tap.equal("p.png" in folder.names(), True, "a picture after any ping")
+        # The ping itself is in it: after the first there is nothing else.
+        after = []
+        for roll in 12, 40:
+            path = scene(folder, "scan.yaml", CIRCLE, roll=roll)
+            asdic("run", path, "-o", folder / "r", "--force").check(code=0)
+            asdic("render", folder / "r", "--images", "fan", "--ping", "0", "--db-range", "40:140", "-o", folder / "p.png",
+                  "--force").check(code=0)
+            content = data(folder, ".", "p.png")
+            after.append(content[content.index(b"IDAT"):])
+        tap.equal(after[0] != after[1], True, "the head's first ping shows where it looks")
 
 
 def test_the_plan_is_of_a_turn():

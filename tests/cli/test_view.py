@@ -263,8 +263,12 @@ def same_bytes(folder, number):
     asdic("run", f"{part}/scene.yaml", "-o", again).check(code=0)
     for name in ("bins.csv", "pings.npy", "track.csv"):
         same_file(part, again, name)
-    with open(f"{part}/run.json", encoding="utf-8") as file:
-        return json.load(file)
+    facts = []
+    for run in part, again:
+        with open(f"{run}/run.json", encoding="utf-8") as file:
+            facts.append(json.load(file))
+    tap.equal(facts[0]["devices"], facts[1]["devices"], "devices")
+    return facts[0]
 
 
 def test_recordings_replay_to_the_same_bytes():

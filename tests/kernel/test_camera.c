@@ -260,12 +260,52 @@ static void the_vehicle_is_a_rod(void **state) {
     rig_destroy(&r);
 }
 
+/* Red of the middle pixel before the display's curve and shoulder. */
+static double red_of(const asdic_camera *c) {
+    double shown = (asdic_camera_rgb(c)[HEIGHT / 2 * WIDTH + WIDTH / 2] >> 16 & 0xff) / 255.0;
+    return shown * shown / (1.0 - 0.25 * shown * shown);
+}
+
+/* A beam 45 degrees wide to either side, seen from within: it glows by what lies before the eye of its range. */
+static void a_beam_glows_as_far_as_one_looks_through_it(void **state) {
+    (void)state;
+    ping_rig r = rig_create(&t);
+    r.sampling.rays = 256;
+    asdic_simulator *sim = rig_simulator(&r);
+    asdic_camera *c = camera();
+    const asdic_pose at = {.position_m = {0.0, 0.0, 6.0}};
+    for (double ahead_m = 1.0; ahead_m < 5.5; ahead_m += 1.0) {
+        double red[2];
+        for (unsigned cones = 0; cones < 2; cones++) {
+            asdic_shot from = {
+                .eye_m = {ahead_m, 0.0, 6.0},
+                .vehicle = &at,
+                .range_m = 5.0,
+                .cones = cones,
+                .cone = {{.rows = {1.0f, 0.0f, 0.0f, 0.0f, 1.0f, 0.0f, 0.0f, 0.0f, 1.0f},
+                          .rgb = {1.0f, 0.0f, 0.0f},
+                          .strength = 1.0f}}};
+            assert_ok(t.ctx, asdic_camera_shoot(c, sim, &from));
+            red[cones] = red_of(c);
+        }
+        double thick = 2.2 * (5.0 - ahead_m) / 5.0, glow = 0.55 * (1.0 - exp(-thick));
+        print_message("from %g m ahead: %.3f, %.3f by the way\n", ahead_m, red[1] - red[0], glow);
+        assert_close(red[1] - red[0], glow, 0.02);
+    }
+    asdic_camera_destroy(&c);
+    asdic_simulator_destroy(&sim);
+    rig_destroy(&r);
+}
+
 int main(void) {
     t = test_device_open_or_skip();
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(light_goes_straight),   cmocka_unit_test(the_deep_is_dark),
-        cmocka_unit_test(the_floor_has_a_grain), cmocka_unit_test(the_floor_has_a_grid),
+        cmocka_unit_test(light_goes_straight),
+        cmocka_unit_test(the_deep_is_dark),
+        cmocka_unit_test(the_floor_has_a_grain),
+        cmocka_unit_test(the_floor_has_a_grid),
         cmocka_unit_test(the_vehicle_is_a_rod),
+        cmocka_unit_test(a_beam_glows_as_far_as_one_looks_through_it),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     test_device_close(&t);
