@@ -360,6 +360,12 @@ typedef struct slant {
     real sine, cos2;
 } slant;
 
+/* Mean-square slope of a facet; RANGE limits the area that reflects in phase. */
+static real slope_ms(const world *w, const law_lanes *l, real range) {
+    return facet_slope_ms(l->formula[0], l->coherent_area_m2, (real)(w->ping->wavelength_m),
+                          r_max(range, R(1e-3)));
+}
+
 /* s(Theta), linear, 1/sr; RANGE limits the area that reflects in phase. */
 static real strength(const world *w, const law_lanes *l, slant a, real range) {
     __global const dev_ping *ping = w->ping;
@@ -369,8 +375,7 @@ static real strength(const world *w, const law_lanes *l, slant a, real range) {
         s = choose(l->is_searay, f, s);
     }
     if (any_true(l->is_facet)) {
-        real slope = facet_slope_ms(l->formula[0], l->coherent_area_m2, (real)(ping->wavelength_m),
-                                    r_max(range, R(1e-3)));
+        real slope = slope_ms(w, l, range);
         real f = facet_strength_angle_lin(a.sine, a.cos2, l->reflection2, l->roughness_g, slope);
         s = choose(l->is_facet, f, s);
     }
@@ -416,8 +421,7 @@ static real strength_between(const world *w, const law_lanes *l, const meeting *
     if (any_true(l->is_facet)) {
         real unit2 = R(1.0) / r_max(dot3(middle, middle), R(1e-12));
         triple across = cross3(m->surface, middle);
-        real slope = facet_slope_ms(l->formula[0], l->coherent_area_m2,
-                                    (real)(w->ping->wavelength_m), r_max(range, R(1e-3)));
+        real slope = slope_ms(w, l, range);
         real f = facet_strength_between_lin(
             in.sine, out.sine, r_abs(dot3(m->surface, middle)) * sqrt(unit2),
             dot3(across, across) * unit2, l->reflection2, l->roughness_g, slope);

@@ -254,9 +254,7 @@ static real rough_strength(const world *w, const found *f, const law_lanes *laws
                            slant met, triple middle, real range) {
     real s_out = strength(w, laws, met_out, range), s_in = strength(w, laws, met, range);
     real s = strength_between(w, laws, &f->m, met_out, s_out, met, s_in, middle, range);
-    real lift = R(0.5) * (met_out.sine + met.sine);
-    real diffuse = laws->reflection2 * -expm1(-laws->roughness_g * lift * lift) *
-                   (met_out.sine * met.sine) / R_PI;
+    real diffuse = laws->reflection2 * facet_diffuse_lin(met_out.sine, met.sine, laws->roughness_g);
     return choose(laws->is_facet & (laws->formula[0] <= R(0.0)), diffuse, s);
 }
 

@@ -46,6 +46,12 @@ FORMULA real facet_slope_ms(real slope_ms, real coherent_area_m2, real wavelengt
     return r_min(slope_ms + diffraction, FACET_MOST_SLOPE_MS);
 }
 
+/* What roughness takes out of the lobe, by Lambert's law, for R = 1; it counts by the mean of both cosines. */
+FORMULA real facet_diffuse_lin(real cos_in, real cos_out, real g) {
+    real lift = R(0.5) * (cos_in + cos_out);
+    return -expm1(-g * (lift * lift)) * (cos_in * cos_out) / R_PI;
+}
+
 /* sigma, 1/sr, of what comes in and goes out at incidences of the cosines COS_IN and COS_OUT; the lobe is about the
  * direction midway between both, whose incidence has COS_MIDDLE and SIN2_MIDDLE: the pieces that reflect face there, and
  * roughness counts by the mean of both cosines (Kirchhoff's approximation for high frequencies; F. G. Bass and I. M.
@@ -57,11 +63,10 @@ FORMULA real facet_slope_ms(real slope_ms, real coherent_area_m2, real wavelengt
 FORMULA real facet_strength_between_lin(real cos_in, real cos_out, real cos_middle,
                                         real sin2_middle, real reflection2, real g, real slope_ms) {
     real c = r_min(r_max(cos_middle, R(1.0e-6)), R(1.0)), cos2 = c * c;
-    real lift = R(0.5) * (cos_in + cos_out), rough = g * (lift * lift);
-    real lobe = exp(R(-2.0) * log(cos2) - sin2_middle / (cos2 * slope_ms) - rough) /
+    real lift = R(0.5) * (cos_in + cos_out);
+    real lobe = exp(R(-2.0) * log(cos2) - sin2_middle / (cos2 * slope_ms) - g * (lift * lift)) /
                 (R(4.0) * R_PI * slope_ms);
-    real diffuse = -expm1(-rough) * (cos_in * cos_out) / R_PI;
-    return reflection2 * (lobe + diffuse);
+    return reflection2 * (lobe + facet_diffuse_lin(cos_in, cos_out, g));
 }
 
 /* The same of what goes back where it comes from. */

@@ -129,7 +129,7 @@ static ray_medium medium_of(const asdic_simulator *sim, size_t number, double *s
 }
 
 /* Where a ray Z_M deep in LAYER is in the water. */
-static double unfold(const passage *p, const asdic_layer *layer, double z_m) {
+static double fold(const passage *p, const asdic_layer *layer, double z_m) {
     return layer->image ? 2.0 * p->plane_m - z_m : z_m;
 }
 
@@ -144,7 +144,7 @@ static void add_legs(asdic_simulator *sim, const passage *p, const asdic_vec3 *f
         double shift_m;
         const ray_medium water = medium_of(sim, layer->number, &shift_m);
         triple end = {at.x + level->x * legs[i].across_m, at.y + level->y * legs[i].across_m,
-                      unfold(p, layer, legs[i].z_m) - sim->placement->origin_m.z};
+                      fold(p, layer, legs[i].z_m) - sim->placement->origin_m.z};
         triple a = ray_lift(begin, water), b = ray_lift(end, water);
         triple along = {b.x - a.x, b.y - a.y, b.z - a.z};
         double length = sqrt(dot3(along, along)), scale = 1.0 / fmax(length, NEAREST);
@@ -187,13 +187,16 @@ static asdic_status add_eigenrays(asdic_simulator *sim, const passage *p, size_t
     size_t count = asdic_eigenrays_find(&p->layers, from.z, to_m, across, rays);
     for (size_t i = 0; i < count; i++) {
         const asdic_eigenray *found = &rays[i];
-        asdic_eigenray_leg legs[ASDIC_MOST_EIGENRAY_LEGS];
-        size_t leg_count = asdic_eigenray_legs(&p->layers, from.z, across, found, legs);
         double range = shot->water.sound_speed_mps * found->end.time_s;
         double spread = asdic_bent_ray_limited_m2(&found->end, range);
         if (!asdic_eigenray_keeps_between(&p->layers, from.z, across, found, p->top_m,
                                           p->bottom_m) ||
-            !(range > NEAREST) || (p->mirror && bounces(p, from.z, legs, leg_count) != 1)) {
+            !(range > NEAREST)) {
+            continue;
+        }
+        asdic_eigenray_leg legs[ASDIC_MOST_EIGENRAY_LEGS];
+        size_t leg_count = asdic_eigenray_legs(&p->layers, from.z, across, found, legs);
+        if (p->mirror && bounces(p, from.z, legs, leg_count) != 1) {
             continue;
         }
         double share = p->mirror ? mirrored(p, found) : 1.0;
@@ -218,12 +221,13 @@ static size_t passages(const asdic_simulator *sim, const asdic_ping_shot *shot, 
     passage *direct = &ways[0];
     size_t count = 1;
     *direct = (passage){
+        .by = ASDIC_PATH_DIRECT,
         .top_m = scene->has_surface ? fmin(0.0, from_m) : -INFINITY,
         .bottom_m = scene->has_bottom_plane ? fmax(bottom_m, from_m) : INFINITY,
     };
     asdic_layers_of(&sim->setup.env, from_m, &direct->layers);
-    bool boundaries = sim->setup.has_mirrors && shot->ping->boundary_mirrors;
-    for (int below = 0; below < 2 && boundaries && in_water(scene, from_m); below++) {
+    bool mirrors = asdic_simulator_boundaries_mirror(sim) && in_water(scene, from_m);
+    for (int below = 0; below < 2 && mirrors; below++) {
         size_t material = below ? scene->bottom_plane_material : scene->material_count;
         passage *way = &ways[count];
         *way = (passage){.by = below ? ASDIC_PATH_BY_BOTTOM : ASDIC_PATH_BY_SURFACE,
@@ -245,10 +249,10 @@ static size_t passages(const asdic_simulator *sim, const asdic_ping_shot *shot, 
 static asdic_status find_paths(asdic_simulator *sim, const asdic_ping_shot *shot) {
     passage ways[3];
     size_t count = passages(sim, shot, ways);
+    bool wet = in_water(sim->setup.scene, shot->pose.position_m.z);
     sim->points.path_count = sim->points.ray_count = 0;
     for (size_t i = 0; i < sim->setup.scene->point_count; i++) {
-        if (in_water(sim->setup.scene, shot->pose.position_m.z) !=
-            in_water(sim->setup.scene, sim->placement->points[i].position_m.z)) {
+        if (in_water(sim->setup.scene, sim->placement->points[i].position_m.z) != wet) {
             continue;
         }
         for (size_t k = 0; k < count; k++) {

@@ -252,6 +252,11 @@ asdic_status asdic_simulator_create_with(asdic_context *ctx, asdic_device *devic
 /* Fills what does not change from ping to ping; WATER where the mission begins. */
 void asdic_simulator_prepare(asdic_simulator *sim, const asdic_water_column *water);
 
+/* Whether bottom and surface are mirrors. */
+static inline bool asdic_simulator_boundaries_mirror(const asdic_simulator *sim) {
+    return sim->setup.has_mirrors && sim->setup.sampling.multipath == ASDIC_MULTIPATH_BOUNDARIES;
+}
+
 /* A shot's apertures: transmitter, then receivers. */
 static inline dev_beam *asdic_shot_beams(const asdic_ping_shot *shot) {
     return (dev_beam *)(shot->ping + 1);

@@ -103,7 +103,7 @@ static dev_truth_row part_row(const asdic_simulator *sim, const asdic_part *part
 static size_t place_rows(const asdic_simulator *sim, const asdic_ping_shot *shot,
                          dev_truth_row *table) {
     const asdic_truth_rows *t = &sim->truth;
-    bool boundaries = sim->setup.has_mirrors && shot->ping->boundary_mirrors;
+    bool boundaries = asdic_simulator_boundaries_mirror(sim);
     dev_uint bins = (dev_uint)sim->setup.bins;
     size_t cells = 0;
     /* A fan's depressions lie among its results. */
@@ -336,7 +336,8 @@ WIDEST static void weigh_floats(const float *restrict sums, const double *restri
 static void add_points_by(const telling *to, asdic_path by, double *energy) {
     const asdic_truth_rows *t = &to->sim->truth;
     for (size_t k = 0; k < t->point_count; k++) {
-        for (size_t b = 0; b < to->beams && t->points[k].by == by; b++) {
+        size_t beams = t->points[k].by == by ? to->beams : 0;
+        for (size_t b = 0; b < beams; b++) {
             energy[b * to->out->bins + t->points[k].bin] +=
                 t->point_lin[k * to->out->beams + to->beam + b];
         }

@@ -254,7 +254,7 @@ asdic_status asdic_detect_write_tracks(asdic_detect_job *job, const asdic_record
 #define STEP_RAD 0.1
 /* Cells that nobody gave a side: this long at least, and hardly more than so many; more no picture shows. */
 #define LEAST_CELL_M 0.5
-#define MOST_CELLS 4e6
+#define ENOUGH_CELLS 4e6
 
 static void find_floor(const asdic_mission *mission, asdic_occupancy *map) {
     for (size_t i = 0; i < map->rows * map->columns; i++) {
@@ -263,6 +263,18 @@ static void find_floor(const asdic_mission *mission, asdic_occupancy *map) {
         double depth = asdic_scene_altitude_m(asdic_mission_scene(mission), at);
         map->floor_depth_m[i] = isfinite(depth) ? (float)depth : NAN;
     }
+}
+
+/* The side of a cell of a map NORTH_M by EAST_M. */
+static double cell_of(const asdic_detect_job *job, double north_m, double east_m) {
+    double cell = job->options->cell_m;
+    if (cell == 0.0) {
+        cell = fmax(0.5 * job->info.sonar->bin_length_m, LEAST_CELL_M);
+        while (north_m * east_m > ENOUGH_CELLS * cell * cell) {
+            cell *= 2.0;
+        }
+    }
+    return cell;
 }
 
 /* The map covers all that beams are asked about along the track. */
@@ -291,13 +303,7 @@ asdic_status asdic_detect_create_map(asdic_detect_job *job) {
             }
         }
     }
-    double cell = job->options->cell_m;
-    if (cell == 0.0) {
-        cell = fmax(0.5 * job->info.sonar->bin_length_m, LEAST_CELL_M);
-        while ((high.x - low.x) * (high.y - low.y) > MOST_CELLS * cell * cell) {
-            cell *= 2.0;
-        }
-    }
+    double cell = cell_of(job, high.x - low.x, high.y - low.y);
     low.x = cell * floor(low.x / cell) - cell;
     low.y = cell * floor(low.y / cell) - cell;
     high.x += cell;
