@@ -100,10 +100,11 @@ enum {
     LEG_ALONG,
     LEG_SLOPE,
     LEG_LAYER,
-    /* In the place of LEG_SENT, of rays that do not leave the sonar: the range at which they end, and the width of
-     * their tube across the plane of the ray at the mirror. */
+    /* In the place of LEG_SENT, of rays that do not leave the sonar: the range at which they end, the width of
+     * their tube across the plane of the ray at the mirror, and the splat of the sonar's ray. */
     LEG_UNTIL = LEG_SENT,
-    LEG_BEFORE
+    LEG_BEFORE,
+    LEG_SPLAT
 };
 
 /* The vectors of the rays from SLOT on. */
@@ -466,6 +467,14 @@ typedef struct split_echo {
     natural bin;
     real first, second; /* energies in bin and bin + 1, relative to TL d^2 at their centres */
 } split_echo;
+
+/* A FOOTPRINT in range on what M met, no longer than is harmless. Near normal incidence it is cut: it would leak from
+ * the peak there into neighbouring bins. */
+static real held_footprint(__global const dev_ping *ping, const meeting *m, real footprint,
+                           real sin_grazing) {
+    real most = (real)(ping->bin_m) * (R(0.5) - R(0.4) * sin_grazing * sin_grazing);
+    return r_min(footprint, choose(m->kind == DEV_KIND_OBJECT, R(0.1), most));
+}
 
 /*
  * An echo of ENERGY (relative to TL d^2 at its range) AT a range, spread evenly over FOOTPRINT metres

@@ -107,11 +107,11 @@ static real mirrored_tube(const ray *r, real t, real before, real c1, real c2, r
 #endif
 
 /* Appends the mirror rays of the rays R that lie from SLOT on and met M, mirrored by SHARE, to STORE from
- * AT on; returns the next AT. */
-static uint reflect(const world *w, const meeting *m, const ray *r, real share,
+ * AT on; returns the next AT. SPLAT is kept through layers, where shade has written over it. */
+static uint reflect(const world *w, const meeting *m, const ray *r, real share, real splat,
                     const mirror_store *store, uint slot, uint at) {
     ray_medium water = medium_of(w->ping);
-    real reach = (real)(w->ping->range_m);
+    real reach = (real)(w->ping->reach_m);
     mask mirror = (m->kind != DEV_KIND_NONE) & (share > (real)(DEV_MIN_MIRROR));
     mirror &= m->t <= ray_at_range(r, reach);
     real t1 = choose(mirror, m->t, R(0.0)), d1 = ray_range(r, t1);
@@ -133,6 +133,7 @@ static uint reflect(const world *w, const meeting *m, const ray *r, real share,
     triple from = start, along_it = to;
     (void)water;
 #else
+    (void)splat;
     ray next = ray_start(start, to, water);
     real t_max = ray_at_range(&next, farthest);
     triple from = ray_lift(start, water), along_it = ray_traced(&next, water);
@@ -159,6 +160,7 @@ static uint reflect(const world *w, const meeting *m, const ray *r, real share,
         float pace = AT(next.pace, float), a1 = pace * AT(next.along, float),
               b1 = pace * AT(next.across, float);
         put_first_leg(store->legs, at, &next, until, next.across, lane);
+        store->legs[leg_at(at, LEG_SPLAT)] = AT(splat, float);
         store->mirrors[at++] = (float4)(AT(share, float), bend.trace * a1, bend.trace * b1,
                                         4.0f * bend.gauss * a1 * b1);
 #else

@@ -236,7 +236,7 @@ static uint connect_rays(const world *w, __global const dev_ray *bounced,
     way_home home = find_home(&sets->layers, x, sonar_of(w->ping), pace, met);
     real d3 = ray_range(&home.r, home.t);
     mask faces = dot3(home.u, m.facet) * along < R(0.0);
-    mask near = range + d3 < (real)(2.0002f * w->ping->range_m);
+    mask near = range + d3 < (real)(2.0002f * w->ping->reach_m);
     real t_max = choose(home.found & faces & near, R(1.0), R(0.0));
     ray first = home.r;
     first.from = x;
@@ -282,7 +282,7 @@ APART static uint connect_rays(const world *w, __global const dev_ray *bounced,
     /* Both legs at X must be on one side of it. */
     mask faces = dot3(home.r.u, m.facet) * along < R(0.0);
     /* What comes back across from beyond the range is not received; let rounding pass. */
-    mask near = d1 + d2 + ray_range(&home.r, home.t) < (real)(2.0002f * w->ping->range_m);
+    mask near = d1 + d2 + ray_range(&home.r, home.t) < (real)(2.0002f * w->ping->reach_m);
     real t_max = choose(faces & near, home.t * R(0.9999), R(0.0));
     LANES {
         if (AT(met, int) != 0) {
@@ -340,7 +340,7 @@ __kernel void LEAST_WAVES(3)
 typedef struct bounce_store {
     __global const dev_ray *rays, *bounced, *returning;
     __global const dev_hit *bounced_hits, *returning_hits;
-    __global const float *solid_angles;
+    __global const float *solid_angles, *splats;
     __global const float4 *mirrors;
     __global const float *legs, *bounced_legs, *returning_legs;
 } bounce_store;
@@ -448,11 +448,33 @@ static void follow_bounces(const world *w, const bounce_store *store, uint slot,
 }
 #endif
 
+/* Over what ranges the echoes of the two ways are spread, as those of the sonar's own rays are: else each bin would hear a
+ * few mirror rays, where rays by way of a plane bring echoes as smooth as direct ones. Seen from the image of the sonar
+ * a step SPLAT in elevation moves X by D splat (w - (w.n / v.n) v), w across v in its upright plane, and the way home by
+ * what of that lies along it. Bending is left out: it is for smoothness alone. */
+typedef struct bounce_footprint {
+    real same, cross;
+} bounce_footprint;
+
+static bounce_footprint bounce_footprints(const world *w, const bounce_way *way, real splat,
+                                          real sin_grazing) {
+    const triple *v = &way->v, *n = &way->m.facet;
+    real level = sqrt(r_max((R(1.0) - v->z) * (R(1.0) + v->z), R(1e-12)));
+    triple across = {-v->z * v->x / level, -v->z * v->y / level, level};
+    real over = dot3(across, *n) / choose(dot3(*v, *n) < R(0.0), -sin_grazing, sin_grazing);
+    real step = way->same_range * splat;
+    real home = over * (dot3(*v, way->x) - R(1.0)) - dot3(across, way->x);
+    bounce_footprint f;
+    f.same = held_footprint(w->ping, &way->m, step * r_abs(over), sin_grazing);
+    f.cross = held_footprint(w->ping, &way->m, R(0.5) * step * r_abs(home), sin_grazing);
+    return f;
+}
+
 /* The echoes of what ASDIC_WIDTH mirror rays met, by their ways back from SLOT on. */
 APART static uint shade_bounces(const world *w, const bounce_store *store, const sink *to,
                                 uint slot) {
     __global const dev_ping *ping = w->ping;
-    real weight;
+    real weight, splat;
     natural sources, targets;
     arrivals along, direct;
     bounce_way way;
@@ -468,7 +490,14 @@ APART static uint shade_bounces(const world *w, const bounce_store *store, const
                                     : kind == DEV_KIND_BOTTOM ? DEV_TRUTH_BY_BOTTOM
                                                               : 0u;
 #endif
+        bool plane = (source & MIRROR_IS_PLANE) != 0u;
         source &= MIRROR_SLOT_MASK;
+#if ASDIC_LAYERS
+        float step = store->bounced_legs[leg_at(mirror, LEG_SPLAT)];
+#else
+        float step = store->splats[source];
+#endif
+        AT(splat, float) = plane ? max(step, 0.0f) : 0.0f; /* faces.h: negative, where aimed */
         AT(way.on, int) = own == NO_RAY ? 0 : -1;
         AT(way.mirrors, uint) = mirror;
         AT(sources, uint) = source;
@@ -489,18 +518,22 @@ APART static uint shade_bounces(const world *w, const bounce_store *store, const
     follow_bounces(w, store, slot, &way);
     law_lanes laws = laws_met(w, &way.m);
     mask met = way.on & (way.m.kind != DEV_KIND_NONE);
-    real none = R(0.0), share = way.mirror[0];
+    real share = way.mirror[0];
     slant in = surface_slant(&way.m, way.v), out = surface_slant(&way.m, way.x);
     real s_in = strength(w, &laws, in, way.same_range);
     real s_out = strength(w, &laws, out, way.same_range);
-    weight *= share / grazing(&way.m, way.v);
+    real sin_grazing = grazing(&way.m, way.v);
+    weight *= share / sin_grazing;
     real same = choose(met, weight * share * s_in * way.same, R(0.0));
     triple middle = {way.x.x - way.v.x, way.x.y - way.v.y, way.x.z - way.v.z};
     real between =
         strength_between(w, &laws, &way.m, in, s_in, out, s_out, middle, way.cross_range);
     real cross = choose(met, weight * between * way.cross, R(0.0));
-    split_echo same_echo = split(ping, way.same_range, none, same, none);
-    split_echo cross_echo = split(ping, way.cross_range, none, cross, none);
+    bounce_footprint spread = bounce_footprints(w, &way, splat, sin_grazing);
+    real nearest = way.same_range * sin_grazing;
+    split_echo same_echo = split(ping, way.same_range, nearest, same, spread.same);
+    nearest += (R(2.0) * way.cross_range - way.same_range) * out.sine;
+    split_echo cross_echo = split(ping, way.cross_range, R(0.5) * nearest, cross, spread.cross);
     triple back = way.back;
     real ray_out = gain_towards(ping, w->beams, u.x, u.y, u.z);
     real x_out = gain_towards(ping, w->beams, back.x, back.y, back.z);
@@ -527,14 +560,14 @@ APART static uint shade_bounces(const world *w, const bounce_store *store, const
 /* bounce: both kinds of echo. One work-item per piece. */
 __kernel void LEAST_WAVES(3)
     bounce(__global const dev_ping *pings, __global const dev_ray *rays,
-           __global const float *solid_angles, __global const dev_ray *bounced,
-           __global const dev_hit *bounced_hits, __global const dev_ray *returning,
-           __global const dev_hit *returning_hits, __global const float4 *mirrors,
-           __global const dev_triangle *triangles, __global const dev_part *parts,
-           __global const dev_material *materials, __global dev_arrival *arrivals,
-           __global long *accumulator, __global uint *saturated, __global const dev_truth_row *rows,
-           __global long *truth, __global const float *legs, __global const float *bounced_legs,
-           __global const float *returning_legs) {
+           __global const float *solid_angles, __global const float *splats,
+           __global const dev_ray *bounced, __global const dev_hit *bounced_hits,
+           __global const dev_ray *returning, __global const dev_hit *returning_hits,
+           __global const float4 *mirrors, __global const dev_triangle *triangles,
+           __global const dev_part *parts, __global const dev_material *materials,
+           __global dev_arrival *arrivals, __global long *accumulator, __global uint *saturated,
+           __global const dev_truth_row *rows, __global long *truth, __global const float *legs,
+           __global const float *bounced_legs, __global const float *returning_legs) {
     __global const dev_ping *ping = row_ping(pings);
     size_t own = row_slots(ping);
     returning += own;
@@ -543,9 +576,10 @@ __kernel void LEAST_WAVES(3)
     world w = {ping, beams_of(ping), triangles, parts, materials, 0};
     sink to = {row_cells(ping, accumulator), arrivals + ARRIVAL_SETS * own, truth_rows(ping, rows),
                truth + (size_t)(ping->sums.truth_first) * ping->sums.truth_columns};
-    bounce_store store = {
-        rays + own,         bounced + own, returning, bounced_hits + own, returning_hits + own,
-        solid_angles + own, mirrors + own, legs,      bounced_legs,       returning_legs};
+    bounce_store store = {rays + own,         bounced + own,        returning,
+                          bounced_hits + own, returning_hits + own, solid_angles + own,
+                          splats + own,       mirrors + own,        legs,
+                          bounced_legs,       returning_legs};
 #if ASDIC_LAYERS
     store.legs += DEV_LEG_FLOATS * own;
     store.bounced_legs += DEV_LEG_FLOATS * own;

@@ -104,11 +104,16 @@ typedef struct dev_layer {
 /* Floats of a ray's last leg through layers so far; echo.h says which. */
 #define DEV_LEG_FLOATS 17u
 
-/* A pilot ray: its position in the learnt table, and the last bin that it crosses. */
+/* A pilot ray: its position in the learnt table, and the bins of its echoes: direct, which is the last bin that it
+ * crosses, and by way of a mirror across and along (multipath.cl). */
+#define DEV_PILOT_ECHOES 3
 typedef struct dev_pilot {
     float x, y;
-    dev_uint last_bin;
-} dev_pilot; /* 12 bytes */
+    dev_uint bins[DEV_PILOT_ECHOES];
+} dev_pilot; /* 20 bytes */
+/* In a receiver: the energies of the echoes, then of the water. */
+#define DEV_PILOT_WATER DEV_PILOT_ECHOES
+#define DEV_PILOT_ENERGIES (DEV_PILOT_ECHOES + 1)
 
 /* Sets of arrivals, each with one per ray, group by group. */
 #define DEV_ARRIVAL_DIRECT 0 /* echo and water */

@@ -92,10 +92,7 @@ static uint shade_rays(const world *w, const ray_store *store, const sink *to,
 #endif
     real sin_grazing = grazing(&m, arriving);
     real footprint = ray_footprint(&r, m.t, splat, m.facet, sin_grazing);
-    /* Near normal incidence it is cut: it would leak from the peak there into neighbouring bins. */
-    real most = (real)(ping->bin_m) * (R(0.5) - R(0.4) * sin_grazing * sin_grazing);
-    most = choose(m.kind == DEV_KIND_OBJECT, R(0.1), most);
-    footprint = r_min(footprint, most);
+    footprint = held_footprint(ping, &m, footprint, sin_grazing);
     law_lanes laws = laws_met(w, &m);
     slant met = surface_slant(&m, arriving);
     real energy = strength(w, &laws, met, ray_spread(&r, m.t)) / sin_grazing;
@@ -132,7 +129,7 @@ static uint shade_rays(const world *w, const ray_store *store, const sink *to,
     uint cut = receive(w, to, DEV_ARRIVAL_DIRECT, &a, rays_in(ping, slot), sent);
 #if ASDIC_HAS_MIRRORS
     load_again(&own, ping, store, slots);
-    *at = reflect(w, &m, &own.r, share, mirrors, slot, *at);
+    *at = reflect(w, &m, &own.r, share, splat, mirrors, slot, *at);
 #endif
     return cut;
 }

@@ -76,7 +76,13 @@ static asdic_status run_pilots(asdic_simulator *sim, const asdic_ping_shot *shot
     TRY(asdic_buffer_read(sim->buffers.pilot_rays, 0, p->slots * sizeof *p->rays,
                           sim->host.pilot_rays));
     return asdic_buffer_read(sim->buffers.pilot_energies, 0,
-                             p->slots * p->picked * 2 * sizeof(float), sim->host.pilot_energies);
+                             p->slots * p->picked * DEV_PILOT_ENERGIES * sizeof(float),
+                             sim->host.pilot_energies);
+}
+
+/* What ray I brings to receiver P. */
+static const float *energies_of(const pilots *s, size_t i, uint32_t p) {
+    return s->energies + DEV_PILOT_ENERGIES * (i * s->picked + p);
 }
 
 /* For one receiver P. TOTALS[bin] is the energy of each bin, relative to its TL d^2. A ray that crosses the
@@ -87,9 +93,12 @@ static void sum_bins(const pilots *s, uint32_t p, const float *volume, size_t bi
     memset(totals, 0, bins * sizeof *totals);
     memset(crossed, 0, bins * sizeof *crossed);
     for (size_t i = 0; i < s->slots; i++) {
-        const float *energy = s->energies + 2 * (i * s->picked + p);
-        totals[s->rays[i].last_bin] += energy[0];
-        crossed[s->rays[i].last_bin] += energy[1];
+        const float *energy = energies_of(s, i, p);
+        const dev_uint *in = s->rays[i].bins;
+        for (int e = 0; e < DEV_PILOT_ECHOES; e++) {
+            totals[in[e]] += energy[e];
+        }
+        crossed[in[0]] += energy[DEV_PILOT_WATER];
     }
     for (size_t n = bins - 1; n-- > 0;) {
         crossed[n] += crossed[n + 1];
@@ -125,10 +134,14 @@ static asdic_status add_demand(const asdic_simulator *sim, const asdic_ping_shot
     for (uint32_t p = 0; p < s->picked; p++) {
         sum_bins(s, p, volume, sim->setup.bins, totals, crossed);
         for (size_t i = 0; i < s->slots; i++) {
-            const float *energy = s->energies + 2 * (i * s->picked + p);
-            uint32_t last = s->rays[i].last_bin;
-            double echo = totals[last] > 0.0 ? energy[0] / totals[last] : 0.0;
-            squares[i] += echo * echo + (double)energy[1] * energy[1] * crossed[last];
+            const float *energy = energies_of(s, i, p);
+            const dev_uint *in = s->rays[i].bins;
+            double water = energy[DEV_PILOT_WATER];
+            squares[i] += water * water * crossed[in[0]];
+            for (int e = 0; e < DEV_PILOT_ECHOES; e++) {
+                double echo = totals[in[e]] > 0.0 ? energy[e] / totals[in[e]] : 0.0;
+                squares[i] += echo * echo;
+            }
         }
     }
     for (size_t i = 0; i < s->slots; i++) {

@@ -29,8 +29,11 @@ static const float zone_share[5] = {0.03f, 0.57f, 0.07f, 0.30f, 0.03f};
 /* Meshes as near as this have slopes that the zones of a plane would starve. */
 #define LEAST_MESH 2e-3
 
-static bool surface_is_silent(const asdic_simulator *sim) {
-    return sim->setup.sampling.left_out & (1u << ASDIC_TERM_SURFACE);
+/* Whether rays up there matter: what a surface mirrors is heard even where its own echo is not. */
+static bool surface_counts(const asdic_simulator *sim) {
+    return sim->setup.scene->has_surface &&
+           (!(sim->setup.sampling.left_out & (1u << ASDIC_TERM_SURFACE)) ||
+            asdic_simulator_boundaries_mirror(sim));
 }
 
 /* The zones end where rays that bend away from a plane graze it with this sine, and leave a gap of this sine
@@ -71,8 +74,7 @@ static void place_zones(const asdic_simulator *sim, const asdic_pose *pose, dev_
     bool plane = sim->setup.scene->has_bottom_plane &&
                  altitude == sim->setup.scene->bottom_plane_depth_m - pose->position_m.z;
     double least = (plane ? LEAST_PLANE : LEAST_MESH) * range;
-    bool sounds = sim->setup.scene->has_surface && !surface_is_silent(sim);
-    double depth = sounds ? pose->position_m.z : INFINITY;
+    double depth = surface_counts(sim) ? pose->position_m.z : INFINITY;
     double share = sim->learnt.zone_altitude;
     if (plane && share == ASDIC_ZONE_ALTITUDE &&
         zone_far(altitude, asdic_sonar_bend(ping), 2.0 * range) < 2.0 * range) {

@@ -38,9 +38,9 @@ static size_t pilot_slots(const asdic_simulator *sim) {
     return sim->setup.groups * asdic_simulator_per_group(sim, ASDIC_PILOT_RAYS);
 }
 
-/* Echo and water of every pilot ray in every picked receiver. */
+/* Echoes and water of every pilot ray in every picked receiver. */
 static size_t pilot_energy_bytes(const asdic_simulator *sim) {
-    return pilot_slots(sim) * asdic_simulator_picked(sim) * 2 * sizeof(float);
+    return pilot_slots(sim) * asdic_simulator_picked(sim) * DEV_PILOT_ENERGIES * sizeof(float);
 }
 
 asdic_status asdic_store_create_host(asdic_simulator *sim) {

@@ -63,6 +63,9 @@ static inline asdic_ping *shoot_many(target_rig *r, int pings) {
     }
     assert_ok(t.ctx, asdic_simulator_create(t.ctx, t.device, r->scene, &r->env, &r->sonar,
                                             &r->sampling, 100.0, &sim));
+    if (r->sampling.sampler == ASDIC_SAMPLER_ADAPTIVE) {
+        assert_ok(t.ctx, asdic_simulator_learn(sim, &r->pose, 0));
+    }
     assert_ok(t.ctx, asdic_ping_create(t.ctx, 1, asdic_simulator_bin_count(sim), &ping));
     double *sums[ASDIC_COMPONENT_COUNT];
     for (int c = 0; c < ASDIC_COMPONENT_COUNT; c++) {
