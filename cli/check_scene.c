@@ -142,9 +142,7 @@ static void print_text(const char *path, asdic_mission *m, const scene_numbers *
     } else if (isnan(n->rays.stderr_db)) {
         printf(", for an error that 'asdic plan' measures\n");
     } else {
-        bool mirrors = asdic_mission_sampling(m)->multipath == ASDIC_MULTIPATH_BOUNDARIES;
-        printf(", for a stated error of about %.2g dB r.m.s.%s\n", n->rays.stderr_db,
-               mirrors ? " without what boundaries mirror" : "");
+        printf(", for a stated error of about %.2g dB r.m.s.\n", n->rays.stderr_db);
     }
     printf("  water       %.6g m/s and %.4g dB/km at %.4g kHz, %.4g m deep\n", n->sound_speed_mps,
            n->absorption_db_per_km, 1e-3 * sonar->frequency_hz, n->depth_m);

@@ -82,10 +82,6 @@ def test_errors_are_foretold_of_the_adaptive_sampler_alone():
         tap.contains(text.out, f"  rays        20000 a ping, {said}\n")
         [found] = json.loads(asdic("check", "-", "--json", stdin=scene).check(code=0).out)
         tap.equal(found["expected_stderr_db"] is None, sampler != "adaptive")
-    # Nor what boundaries add, which in shallow calm water is most of a level.
-    scene = MINIMAL + "sampling: {multipath: boundaries, rays: 20000}\n"
-    text = asdic("check", "-", stdin=scene).check(code=0, err="")
-    tap.contains(text.out, "for a stated error of about 0.12 dB r.m.s. without what boundaries mirror\n")
 
 
 def test_json_and_yaml_scenes_are_equal():

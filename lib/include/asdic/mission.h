@@ -295,8 +295,8 @@ typedef struct asdic_ray_forecast {
     uint32_t rays;      /* per ping, as the mission will run */
     bool is_auto;       /* the scene leaves their number to asdic */
     uint32_t auto_rays; /* what asdic_rays_auto takes for it */
-    double stderr_db;   /* stated error to expect, r.m.s., without what boundaries mirror; NAN:
-                         * none of coherent pings, or by other samplers than the adaptive */
+    double stderr_db;   /* stated error to expect, r.m.s.; NAN: none of coherent pings, or by other
+                           samplers than the adaptive */
     bool is_rough;      /* that is above ASDIC_ROUGH_DB */
 } asdic_ray_forecast;
 
