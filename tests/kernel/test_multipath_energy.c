@@ -211,6 +211,23 @@ static void what_calm_water_mirrors_is_smooth(void **state) {
     }
 }
 
+/* What is spread reaches into the last bin from beyond it, as much as leaves it. */
+static void the_last_bin_hears_mirrors_from_beyond(void **state) {
+    (void)state;
+    for (int kind = 0; kind < 3; kind += 2) {
+        target_rig r = calm_water(kind);
+        r.sampling.sampler = ASDIC_SAMPLER_ADAPTIVE;
+        r.sampling.rays = 4096;
+        asdic_ping *ping = shoot_many(&r, 64);
+        const double *end = ping->intensity_lin[ASDIC_MULTIPATH] + ping->bins;
+        double off = db(5.0 * end[-1] / (end[-2] + end[-3] + end[-4] + end[-5] + end[-6]));
+        print_message("water %d: last bin %.3f dB beside those before\n", kind, off);
+        assert_close(off, 0.0, 0.1);
+        asdic_ping_destroy(&ping);
+        target_rig_destroy(&r);
+    }
+}
+
 int main(void) {
     t = test_device_open_or_skip();
     const struct CMUnitTest tests[] = {
@@ -220,6 +237,7 @@ int main(void) {
         cmocka_unit_test(a_convex_body_shows_nothing_of_itself),
         cmocka_unit_test(what_is_buried_hides_nothing),
         cmocka_unit_test(what_calm_water_mirrors_is_smooth),
+        cmocka_unit_test(the_last_bin_hears_mirrors_from_beyond),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     test_device_close(&t);
