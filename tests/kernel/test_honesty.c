@@ -100,10 +100,11 @@ static asdic_ping *new_ping(const honesty_rig *r) {
     return ping;
 }
 
-/* The truth by quadrature of a flat scene; else the mean of pings that err some twenty times less. */
-static asdic_ping *truth_of(honesty_rig *r) {
-    enum { PINGS = 12, RAYS = 1 << 18 };
-    asdic_simulator *sim = rig_simulator(r, RAYS);
+/* The truth of pings of so many RAYS: by quadrature of a flat scene; else the mean of pings that err some twenty times
+ * less. */
+static asdic_ping *truth_of(honesty_rig *r, uint32_t rays) {
+    enum { PINGS = 12 };
+    asdic_simulator *sim = rig_simulator(r, rays > 4096 ? 1 << 18 : 1 << 16);
     asdic_ping *truth = new_ping(r), *ping = new_ping(r);
     size_t cells = truth->beams * truth->bins;
     if (asdic_scene_get_info(asdic_mission_scene(r->mission)).triangles == 0) {
@@ -152,7 +153,7 @@ static void add_square(honesty_sum *sum, double square) {
 static void add_errors(honesty_rig *r, uint32_t rays, int blocks, honesty_adder *add,
                        honesty_sum *sums) {
     enum { PINGS = 4 };
-    asdic_ping *truth = truth_of(r);
+    asdic_ping *truth = truth_of(r, rays);
     asdic_simulator *sim = rig_simulator(r, rays);
     asdic_ping *ping = new_ping(r);
     size_t first = (size_t)ceil(2.0 / r->sonar.bin_length_m);
