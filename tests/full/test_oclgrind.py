@@ -2,7 +2,7 @@
 intensities whatever the layout of the work.
 
 Oclgrind's exit code stays 0, so its log is read. It is slow: the work is kept small, and the default
-tier has test_a_ping and test_a_fan alone.
+tier has test_a_ping alone.
 """
 import json
 import os
