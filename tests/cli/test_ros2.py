@@ -135,7 +135,7 @@ def told_of(pose, why):
     need()
     with Folder() as folder:
         with Server(folder, SCENE, "--frame", "odom") as server:
-            got = peer(server, folder, [pose, pose, "0 0 -7 0 0 0 1", pose, pose], frame="odom", wait=6, stamp=START,
+            got = peer(server, folder, [pose, pose, "0 0 -7 0 0 0 1", pose, pose], frame="odom", wait=3, stamp=START,
                        cold=True)  # fmt: skip
         tap.equal(len([m for m in got if m.get("topic") == "sonar"]), 1, server.said)
         tap.equal(server.said.count("warning"), 2, server.said)
@@ -154,7 +154,7 @@ def test_a_quaternion_of_no_length_is_told_once():
     need()
     with Folder() as folder:
         with Server(folder, SCENE) as server:
-            peer(server, folder, ["0 0 -7 0 0 0 0"] * 3, wait=6, cold=True)
+            peer(server, folder, ["0 0 -7 0 0 0 0"] * 3, wait=3, cold=True)
         tap.equal(server.said.count("a quaternion of length 1"), 1, server.said)
 
 
