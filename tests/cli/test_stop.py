@@ -72,7 +72,7 @@ def test_rays_through_many_layers_stop():
         folder.write("cast.csv", "depth_m,temperature_degc\n" + cast)
         folder.write("scene.yaml", SCENE.replace("environment: {wind_speed_kn: 10}", water))
         with begin(folder, "run", "scene.yaml", "-o", "out") as child:
-            time.sleep(3)
+            time.sleep(1.5)
             program.stop(child)
         tap.equal(folder.names(), ["cast.csv", "scene.yaml"])
 
@@ -89,10 +89,10 @@ def test_a_drawing_stops():
         done.check(0)
         if shutil.which("ffmpeg"):
             with begin(folder, "render", "run", "--video", "film.mp4") as child:
-                time.sleep(2)  # of some 40 s
+                time.sleep(1)  # of some 40 s
                 program.stop(child)
         with begin(folder, "render", "run", "--mosaic", "map.png", "--cell", "0.04") as child:
-            time.sleep(2)
+            time.sleep(1)
             program.stop(child)
         tap.equal(folder.names(), ["a.svg", "run", "scene.yaml"])
         tap.equal(sorted(os.listdir(folder / "run")), before)
