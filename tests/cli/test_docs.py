@@ -13,6 +13,7 @@ A fence says how its text is tested:
     ```c from=FILE    stands in that file, word for word
     ```text           nothing to run
 """
+import functools
 import json
 import os
 import pathlib
@@ -218,6 +219,14 @@ def imports_of(text):
     return "; ".join(re.findall(r"^import .+$", text, re.M))
 
 
+@functools.cache
+def python_with(imports):
+    """The first Python that does IMPORTS, or None."""
+    with Workplace() as place:
+        return next((p for p in (sys.executable, "/usr/bin/python3") if place.start([p, "-c", imports]).returncode == 0),
+                    None)
+
+
 def check_fence(place, page, kind, text):
     if kind == "sh":
         place.run(["sh", "-ec", text], f"{page.name}: {text}")
@@ -232,8 +241,7 @@ def check_fence(place, page, kind, text):
         if "argc" not in text:
             place.run(["./example"], f"{page.name}: the program")
     elif kind == "python":
-        python = next((p for p in (sys.executable, "/usr/bin/python3") if place.start([p, "-c", imports_of(text)])
-                       .returncode == 0), None)
+        python = python_with(imports_of(text))
         if not python:
             raise tap.Skip(f"no python3 does '{imports_of(text)}'")
         place.run([python, place.write("example.py", text)], f"{page.name}: {text}")
