@@ -556,10 +556,11 @@ def test_rays_by_a_tolerance():
         path = folder.write("wall.yaml", WALL.replace("time_s: 45", "time_s: 5"))
         rays = []
         for tolerance in (0.5, 3):
-            done = asdic("trial", path, "--runs", 2, "--tolerance", tolerance, "-o", folder / "out", "-f").check(code=0)
+            few = ("trial", path, "--runs", 2, "--workers", 1)
+            done = asdic(*few, "--tolerance", tolerance, "-o", folder / "out", "-f").check(code=0)
             tap.lacks(done.err, "do not keep")
             rays.append(json.loads(folder.read("out/trial.json"))["rays"])
-            asdic("trial", path, "--runs", 2, "--rays", rays[-1], "-o", folder / "same", "-f").check(code=0)
+            asdic(*few, "--rays", rays[-1], "-o", folder / "same", "-f").check(code=0)
             tap.equal(data(folder, "same", "trial.csv"), data(folder, "out", "trial.csv"))
         assert rays[0] > rays[1] >= 1024, rays
         # Where the bottom is in the way, too: from 30 m on it is above the vehicle.
@@ -710,9 +711,11 @@ for line in sys.stdin:
 
 
 def with_rule(folder, act, *options, runs=2, code=0, **env):
+    """By one worker: each has a simulator of its own to set up."""
     rule = folder.write("rule.py", RULE.replace("ACT", act))
     scene = folder.write("wall.yaml", WALL.replace("time_s: 45", "time_s: 30"))
-    return asdic("trial", scene, "--runs", runs, "-o", folder / "out", "-f", "--rule",
+    workers = () if "--replay" in options else ("--workers", 1)
+    return asdic("trial", scene, "--runs", runs, *workers, "-o", folder / "out", "-f", "--rule",
                  f"exec {sys.executable} -u {rule}", *options, **env).check(code=code)
 
 
@@ -742,7 +745,7 @@ def test_another_rule_is_another_trial():
         scene = folder.write("wall.yaml", WALL.replace("time_s: 45", "time_s: 2"))
 
         def command(*options):
-            return asdic("trial", scene, "--runs", 2, *options)
+            return asdic("trial", scene, "--runs", 2, "--workers", 1, *options)
 
         command("--rule", f"{rule} a", "-o", folder / "out").check(code=0)
         tap.equal(json.loads(folder.read("out/trial.json"))["command"], f"{rule} a")
@@ -885,7 +888,7 @@ def test_rules_that_fail_are_counted():
         # What fails in one run is begun anew for the next.
         fails = folder / "failed"
         with_rule(folder, f'import os; again = os.path.exists({fails!r}); open({fails!r}, "w").close(); '
-                  'print("{}" if again else "x")', "--workers", "1", code=1)
+                  'print("{}" if again else "x")', code=1)
         tap.equal([row["outcome"] for row in rows(folder)], ["broken", "late"])
 
 
@@ -1063,7 +1066,7 @@ def test_a_run_can_be_seen_again():
         path = folder.write("wall.yaml", wall.replace("time_s: 45", "time_s: 33") + """  draws:
     - {key: 'objects[0].position_m[0]', uniform: [55, 65]}
 """)
-        asdic("trial", path, "--runs", 3, "-o", folder / "out").check(code=0)
+        asdic("trial", path, "--runs", 3, "--workers", 1, "-o", folder / "out").check(code=0)
         done = asdic("trial", path, "--runs", 3, "--replay", 2, "-o", folder / "again").check(code=0)
         tap.contains(done.err, f"'asdic view {folder / 'again'}/scene.yaml' shows it")
         before = data(folder, "again", "track.csv"), data(folder, "again", "scene.yaml")
