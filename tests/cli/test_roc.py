@@ -96,7 +96,7 @@ def test_other_beams_and_targets():
     need_device()
     with Folder() as folder:
         def ask(*options):
-            done = asdic("roc", SCENE2, "--trials", "20000", "-o", "out", "--force", "--json", "-q",
+            done = asdic("roc", SCENE2, "--trials", "2000", "-o", "out", "--force", "--json", "-q",
                          *options, cwd=folder.path).check(0)
             return json.loads(done.out)[0]
 
@@ -601,7 +601,7 @@ def test_it_stops_within_a_second():
         command = [program.PATH, "roc", SCENE2, "--object", "rise", "--trials", "20000000",
                    "-o", "out"]
         with subprocess.Popen(command, cwd=folder.path, stderr=subprocess.PIPE) as child:
-            time.sleep(3)  # of a quarter of a minute or more of drawing
+            time.sleep(1.5)  # of a quarter of a minute or more of drawing
             program.stop(child)
         tap.equal(folder.names(), [])
 
