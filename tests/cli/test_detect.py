@@ -816,7 +816,7 @@ def test_a_map_has_cells_by_the_bins():
         for bin_m, cell_m, mission in ((0.5, 0.5, None), (4, 2, None), (0.5, 8, way)):
             text = POINTS.replace("sonar:", f"sonar:\n  bin_length_m: {bin_m}", 1)
             text = text if mission is None else re.sub("mission: .*", f"mission: {mission}", text)
-            text = text.replace("sonar:", "sonar:\n  ping_rate_hz: 0.1", 1) if mission else text
+            text = text.replace("sonar:", "sonar:\n  ping_rate_hz: 0.1\n  max_range_m: 60", 1) if mission else text
             folder.write("map.yaml", text)
             asdic("run", "map.yaml", "-o", "out", "--force", "-q", cwd=folder.path).check(0)
             maps = []
