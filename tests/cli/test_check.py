@@ -501,7 +501,7 @@ def test_numbers_of_a_sediment_beyond_the_handbook_are_remarked():
 def test_sizes_are_told_in_units_that_fit():
     """In kB to PB, by three digits of what --json has in bytes; of the disk's room too, which others take of meanwhile."""
     units, seen = ["kB", "MB", "GB", "TB", "PB"], set()
-    for pings in 1, 40, 30000, 10**7, 10**9:
+    for pings in 1, 40, 30000, 10**6, 10**9:
         for fan in "[{name: a}]", "{fan: {count: 1024, sector_deg: 90, length_h_m: 0.1, length_v_m: 0.1}}":
             text = MINIMAL.replace("pose:", f"pings: {pings}\n  pose:").replace(
                 "[{name: forward}, {name: port, yaw_deg: -20}]", fan)
