@@ -19,7 +19,7 @@ static ping_rig long_pulse(void) {
     r.sonar.transmitter.length_h_m = r.sonar.transmitter.length_v_m = 1e-4;
     r.sonar.array.elements = 3;
     r.sonar.array.element.length_h_m = r.sonar.array.element.length_v_m = 1e-4;
-    r.sampling.rays = 200000;
+    r.sampling.rays = 50000;
     return r;
 }
 
