@@ -16,20 +16,22 @@ static double speed_mps(const asdic_mission *m) {
                                              asdic_mission_pose(m, 0, NULL).position_m.z);
 }
 
-static bool has_meshes(const asdic_scene_file *file) {
+static asdic_rays_over rays_over_of(const asdic_scene_file *file, asdic_multipath multipath) {
     const file_object *objects = file->objects.items;
-    bool found = file->bottom.mesh.node || file->bottom.grid.node;
+    bool meshes = file->bottom.mesh.node || file->bottom.grid.node;
     for (size_t i = 0; i < file->objects.count; i++) {
-        found |= objects[i].mesh.node != NULL;
+        meshes |= objects[i].mesh.node != NULL;
     }
-    return found;
+    return meshes                                    ? ASDIC_OVER_MESHES
+           : multipath == ASDIC_MULTIPATH_BOUNDARIES ? ASDIC_OVER_MIRRORS
+                                                     : ASDIC_OVER_PLANES;
 }
 
 void asdic_mission_build_rays(mission_builder *b) {
     asdic_settings *s = &b->mission->settings;
-    s->has_meshes = has_meshes(b->file);
+    s->rays_over = rays_over_of(b->file, s->sampling.multipath);
     if (b->file->sampling.rays == FILE_RAYS_AUTO) {
-        s->auto_rays = asdic_rays_auto(&s->sonar, speed_mps(b->mission), s->has_meshes);
+        s->auto_rays = asdic_rays_auto(&s->sonar, speed_mps(b->mission), s->rays_over);
         s->sampling.rays = s->auto_rays;
     }
 }
@@ -43,10 +45,10 @@ asdic_ray_forecast asdic_mission_ray_forecast(const asdic_mission *mission) {
     double c_mps = speed_mps(mission);
     bool is_known = !s->sampling.coherent && s->sampling.sampler == ASDIC_SAMPLER_ADAPTIVE;
     double error_db =
-        is_known ? asdic_rays_error_db(&s->sonar, c_mps, s->has_meshes, rays) : (double)NAN;
+        is_known ? asdic_rays_error_db(&s->sonar, c_mps, s->rays_over, rays) : (double)NAN;
     return (asdic_ray_forecast){.rays = rays,
                                 .is_auto = asdic_settings_rays_are_auto(s),
-                                .auto_rays = asdic_rays_auto(&s->sonar, c_mps, s->has_meshes),
+                                .auto_rays = asdic_rays_auto(&s->sonar, c_mps, s->rays_over),
                                 .stderr_db = error_db,
                                 .is_rough = error_db > ASDIC_ROUGH_DB};
 }

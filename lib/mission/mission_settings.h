@@ -17,7 +17,7 @@ typedef struct asdic_settings {
     asdic_sonar sonar; /* borrows receivers */
     asdic_sweep sweep;
     asdic_sampling sampling;
-    bool has_meshes;      /* a bottom or objects of facets that files hold */
+    asdic_rays_over rays_over;
     uint32_t auto_rays;   /* what `rays: auto` came to; 0: the file gives a number */
     bool keeps_all_terms; /* whatever the plan says */
     int refraction;       /* as asked for: asdic_refraction, or negative: as planned */

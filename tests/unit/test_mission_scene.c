@@ -668,31 +668,35 @@ static void forms_are_compared_once_at_a_place(void **state) {
 }
 
 /* Rays are counted as over meshes where a file holds facets, of the bottom or of an object; not for what a scene
- * describes itself. */
-static void auto_counts_rays_as_over_meshes(void **state) {
+ * describes itself; else by whether boundaries mirror. */
+static void auto_counts_rays_by_the_ground(void **state) {
     workshop *w = *state;
     static const char plane[] = "{depth_m: 50}", ball[] = "{name: b, sphere: {radius_m: 1}",
                       wedge[] = "{name: w, mesh: wedge";
     static const struct {
         const char *bottom, *first, *second;
-        bool meshes;
-    } cases[] = {{plane, NULL, NULL, false},
-                 {plane, ball, NULL, false},
-                 {plane, wedge, NULL, true},
-                 {plane, ball, wedge, true},
-                 {"none", wedge, ball, true},
-                 {"{mesh: floor, position_m: [0, 0, 50]}", NULL, NULL, true},
-                 {"{grid: ground.asc, position_m: [0, 0, 3]}", ball, NULL, true}};
+        asdic_rays_over over;
+        const char *multipath;
+    } cases[] = {
+        {plane, NULL, NULL, ASDIC_OVER_PLANES, "first"},
+        {plane, ball, NULL, ASDIC_OVER_PLANES, "off"},
+        {plane, ball, NULL, ASDIC_OVER_MIRRORS, "boundaries"},
+        {plane, wedge, NULL, ASDIC_OVER_MESHES, "first"},
+        {plane, ball, wedge, ASDIC_OVER_MESHES, "boundaries"},
+        {"none", wedge, ball, ASDIC_OVER_MESHES, "first"},
+        {"{mesh: floor, position_m: [0, 0, 50]}", NULL, NULL, ASDIC_OVER_MESHES, "boundaries"},
+        {"{grid: ground.asc, position_m: [0, 0, 3]}", ball, NULL, ASDIC_OVER_MESHES, "first"}};
     write_file(w, "ground.asc",
                "ncols 2\nnrows 2\nxllcorner -90\nyllcorner -90\ncellsize 90\n40 41\n42 43\n");
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char text[1024];
         const char *const objects[] = {cases[i].first, cases[i].second};
-        int used = snprintf(text, sizeof text,
-                            "version: 1\nsonar: {frequency_khz: 100, bin_length_m: 0.05,\n"
-                            "  receivers: {fan: {count: 64, sector_deg: 90}}}\n" POSE
-                            "sampling: {rays: auto}\nbottom: %s\n%s",
-                            cases[i].bottom, cases[i].first ? "objects:\n" : "");
+        int used =
+            snprintf(text, sizeof text,
+                     "version: 1\nsonar: {frequency_khz: 100, bin_length_m: 0.05,\n"
+                     "  receivers: {fan: {count: 64, sector_deg: 90}}}\n" POSE
+                     "sampling: {rays: auto, multipath: %s}\nbottom: %s\n%s",
+                     cases[i].multipath, cases[i].bottom, cases[i].first ? "objects:\n" : "");
         for (int k = 0; k < 2 && objects[k]; k++) {
             used += snprintf(text + used, sizeof text - (size_t)used,
                              "  - %s, position_m: [%d, 0, 9]}\n", objects[k], 20 + 9 * k);
@@ -703,13 +707,13 @@ static void auto_counts_rays_as_over_meshes(void **state) {
         }
         assert_non_null(m);
         double speed_mps = asdic_environment_sound_speed_mps(asdic_mission_environment(m), 3.0);
-        uint32_t rays[2];
-        for (int k = 0; k < 2; k++) {
-            rays[k] = asdic_rays_auto(asdic_mission_sonar(m), speed_mps, k);
+        uint32_t rays[ASDIC_OVER_MESHES + 1];
+        for (int k = 0; k <= ASDIC_OVER_MESHES; k++) {
+            rays[k] = asdic_rays_auto(asdic_mission_sonar(m), speed_mps, (asdic_rays_over)k);
+            assert_true(k == 0 || rays[k] > rays[k - 1]);
         }
-        assert_true(rays[1] > rays[0]);
-        assert_int_equal(asdic_mission_ray_forecast(m).rays, rays[cases[i].meshes]);
-        assert_int_equal(asdic_mission_ray_forecast(m).auto_rays, rays[cases[i].meshes]);
+        assert_int_equal(asdic_mission_ray_forecast(m).rays, rays[cases[i].over]);
+        assert_int_equal(asdic_mission_ray_forecast(m).auto_rays, rays[cases[i].over]);
         asdic_mission_destroy(&m);
     }
 }
@@ -725,7 +729,7 @@ int main(void) {
         cmocka_unit_test(of_many_objects_some_are_heeded),
         cmocka_unit_test(a_shadow_hides_an_object),
         cmocka_unit_test(forms_are_compared_once_at_a_place),
-        cmocka_unit_test(auto_counts_rays_as_over_meshes),
+        cmocka_unit_test(auto_counts_rays_by_the_ground),
         cmocka_unit_test(runs_take_what_is_the_same),
         cmocka_unit_test(runs_take_no_mesh_that_is_another),
         cmocka_unit_test(runs_of_many_borrow_their_scene),

@@ -12,7 +12,7 @@
 #define SPEED 1500.0
 
 static uint32_t rays_of(size_t beams, double sector_deg, double pitch_step_deg, double range_m,
-                        bool meshes) {
+                        asdic_rays_over over) {
     static asdic_beam receivers[MOST];
     asdic_sonar sonar = asdic_sonar_default();
     for (size_t i = 0; i < beams; i++) {
@@ -26,43 +26,49 @@ static uint32_t rays_of(size_t beams, double sector_deg, double pitch_step_deg, 
     sonar.receiver_count = beams;
     sonar.bin_length_m = 0.1;
     sonar.ping_rate_hz = SPEED / (2.0 * range_m);
-    return asdic_rays_auto(&sonar, SPEED, meshes);
+    return asdic_rays_auto(&sonar, SPEED, over);
 }
 
 static void overlap_asks_for_nothing(void **state) {
     (void)state;
-    uint32_t once = rays_of(128, 128.0, 0.0, 50.0, false);
+    uint32_t once = rays_of(128, 128.0, 0.0, 50.0, ASDIC_OVER_PLANES);
     assert_in_range(once, 245000, 260000); /* 4 x 500 bins x 125.5 beams, in two digits */
-    assert_int_equal(rays_of(256, 128.0, 0.0, 50.0, false), once);
-    assert_int_equal(rays_of(512, 128.0, 0.0, 50.0, false), once);
+    assert_int_equal(rays_of(256, 128.0, 0.0, 50.0, ASDIC_OVER_PLANES), once);
+    assert_int_equal(rays_of(512, 128.0, 0.0, 50.0, ASDIC_OVER_PLANES), once);
 }
 
 static void beams_apart_count_each(void **state) {
     (void)state;
-    assert_int_equal(rays_of(20, 120.0, 0.0, 50.0, false), 40000);
-    assert_int_equal(rays_of(40, 120.0, 0.0, 50.0, false), 80000);
-    assert_int_equal(rays_of(4, 0.0, 40.0, 500.0, false), 80000); /* one above the other */
+    assert_int_equal(rays_of(20, 120.0, 0.0, 50.0, ASDIC_OVER_PLANES), 40000);
+    assert_int_equal(rays_of(40, 120.0, 0.0, 50.0, ASDIC_OVER_PLANES), 80000);
+    assert_int_equal(rays_of(4, 0.0, 40.0, 500.0, ASDIC_OVER_PLANES),
+                     80000); /* one above the other */
 }
 
 static void range_counts(void **state) {
     (void)state;
-    uint32_t near = rays_of(128, 128.0, 0.0, 10.0, false),
-             far = rays_of(128, 128.0, 0.0, 20.0, false);
+    uint32_t near = rays_of(128, 128.0, 0.0, 10.0, ASDIC_OVER_PLANES),
+             far = rays_of(128, 128.0, 0.0, 20.0, ASDIC_OVER_PLANES);
     assert_in_range(far, 2 * near - near / 5, 2 * near + near / 5); /* two digits */
 }
 
 static void limits(void **state) {
     (void)state;
-    assert_int_equal(rays_of(1, 0.0, 0.0, 10.0, false), 20000);
-    assert_int_equal(rays_of(512, 150.0, 0.0, 300.0, false), 524288);
-    assert_int_equal(asdic_rays_auto(NULL, SPEED, false), 20000);
+    assert_int_equal(rays_of(1, 0.0, 0.0, 10.0, ASDIC_OVER_PLANES), 20000);
+    assert_int_equal(rays_of(512, 150.0, 0.0, 300.0, ASDIC_OVER_PLANES), 524288);
+    assert_int_equal(asdic_rays_auto(NULL, SPEED, ASDIC_OVER_PLANES), 20000);
+}
+
+static void mirrors_ask_for_twice_as_many(void **state) {
+    (void)state;
+    assert_int_equal(rays_of(20, 120.0, 0.0, 50.0, ASDIC_OVER_MIRRORS), 80000);
 }
 
 static void meshes_ask_for_more(void **state) {
     (void)state;
-    assert_int_equal(rays_of(5, 350.0, 0.0, 60.0, true), 390000); /* 128 a cell */
-    assert_int_equal(rays_of(100, 120.0, 0.0, 10.0, true), 400000);
-    assert_int_equal(rays_of(100, 120.0, 0.0, 15.0, true), 480000); /* 32 a cell */
+    assert_int_equal(rays_of(5, 350.0, 0.0, 60.0, ASDIC_OVER_MESHES), 390000); /* 128 a cell */
+    assert_int_equal(rays_of(100, 120.0, 0.0, 10.0, ASDIC_OVER_MESHES), 400000);
+    assert_int_equal(rays_of(100, 120.0, 0.0, 15.0, ASDIC_OVER_MESHES), 480000); /* 32 a cell */
 }
 
 /* A fan that is turned as a whole has as many beams that do not overlap: that of an echo sounder,
@@ -94,7 +100,7 @@ static void the_way_a_fan_looks_does_not_count(void **state) {
                 beams[i].length_v_m = way == 2 ? sonar.transmitter.length_v_m : 0.75;
             }
         }
-        rays[way] = asdic_rays_auto(&sonar, SPEED, false);
+        rays[way] = asdic_rays_auto(&sonar, SPEED, ASDIC_OVER_PLANES);
     }
     assert_in_range(rays[0], 271000, 280000); /* 4 x 500 bins x 2.4 rad of 1.02 degrees */
     for (int way = 1; way < 4; way++) {
@@ -111,12 +117,13 @@ static void error_is_foretold(void **state) {
     sonar.receiver_count = 1;
     sonar.bin_length_m = 0.1;
     sonar.ping_rate_hz = SPEED / (2.0 * 800.0); /* 8,000 cells: 32,000 rays over a plane */
-    uint32_t rays = asdic_rays_auto(&sonar, SPEED, false);
+    uint32_t rays = asdic_rays_auto(&sonar, SPEED, ASDIC_OVER_PLANES);
     assert_int_equal(rays, 32000);
-    assert_close(asdic_rays_error_db(&sonar, SPEED, false, rays), 0.5, 0.002);
-    assert_close(asdic_rays_error_db(&sonar, SPEED, false, rays / 4), 1.0, 0.004);
-    assert_close(asdic_rays_error_db(&sonar, SPEED, true, 400000), 0.5, 0.002);
-    assert_close(asdic_rays_error_db(NULL, SPEED, true, 400000), 0.0, 0.0);
+    assert_close(asdic_rays_error_db(&sonar, SPEED, ASDIC_OVER_PLANES, rays), 0.5, 0.002);
+    assert_close(asdic_rays_error_db(&sonar, SPEED, ASDIC_OVER_PLANES, rays / 4), 1.0, 0.004);
+    assert_close(asdic_rays_error_db(&sonar, SPEED, ASDIC_OVER_MESHES, 400000), 0.5, 0.002);
+    assert_close(asdic_rays_error_db(&sonar, SPEED, ASDIC_OVER_MIRRORS, 64000), 0.5, 0.002);
+    assert_close(asdic_rays_error_db(NULL, SPEED, ASDIC_OVER_MESHES, 400000), 0.0, 0.0);
 }
 
 int main(void) {
@@ -125,6 +132,7 @@ int main(void) {
         cmocka_unit_test(beams_apart_count_each),
         cmocka_unit_test(range_counts),
         cmocka_unit_test(limits),
+        cmocka_unit_test(mirrors_ask_for_twice_as_many),
         cmocka_unit_test(meshes_ask_for_more),
         cmocka_unit_test(the_way_a_fan_looks_does_not_count),
         cmocka_unit_test(error_is_foretold),

@@ -63,15 +63,24 @@ typedef struct asdic_sampling {
 /* 20,000 rays, adaptive, first-order multipath, seed 1. */
 ASDIC_API asdic_sampling asdic_sampling_default(void);
 
-/* Rays for a stated error of about 0.5 dB r.m.s. in bins above the noise: by the bins and by the
- * beams as far as they do not overlap, more where a scene has MESHES, which is a bottom or objects
- * from files; 20,000 to 524,288. The same on every machine. */
-ASDIC_API uint32_t asdic_rays_auto(const asdic_sonar *sonar, double sound_speed_mps, bool meshes);
+/* What rays go over: planes and simple bodies, planes that mirror as well, which makes as many
+ * echoes again, or a bottom or objects from files. */
+typedef enum asdic_rays_over {
+    ASDIC_OVER_PLANES = 0,
+    ASDIC_OVER_MIRRORS,
+    ASDIC_OVER_MESHES
+} asdic_rays_over;
+
+/* Rays for a stated error of about 0.5 dB r.m.s. in bins above the noise: by the bins, by the
+ * beams as far as they do not overlap, and by what is below them; 20,000 to 524,288. The same on
+ * every machine. */
+ASDIC_API uint32_t asdic_rays_auto(const asdic_sonar *sonar, double sound_speed_mps,
+                                   asdic_rays_over over);
 
 /* The stated error to expect of RAYS a ping, dB r.m.s. in bins above the noise, by the same rule:
  * good to a factor of about 3, without simulating anything. */
-ASDIC_API double asdic_rays_error_db(const asdic_sonar *sonar, double sound_speed_mps, bool meshes,
-                                     uint32_t rays);
+ASDIC_API double asdic_rays_error_db(const asdic_sonar *sonar, double sound_speed_mps,
+                                     asdic_rays_over over, uint32_t rays);
 
 typedef enum asdic_component {
     ASDIC_TOTAL = 0,

@@ -113,7 +113,7 @@ static asdic_status build(dataset *d, asdic_mission *mission, built **out) {
     asdic_sampling *sampling = asdic_mission_sampling(mission);
     if (s->auto_rays > 0) {
         double speed_mps = asdic_environment_sound_speed_mps(&s->environment, d->depth_m);
-        sampling->rays = asdic_rays_auto(&s->sonar, speed_mps, s->has_meshes);
+        sampling->rays = asdic_rays_auto(&s->sonar, speed_mps, s->rays_over);
     }
     if (sampling->coherent) {
         return asdic_fail(d->ctx, ASDIC_ERROR_INPUT,

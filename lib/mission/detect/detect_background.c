@@ -97,9 +97,11 @@ static uint32_t rays_of(const asdic_run *run, bool at_rest) {
     uint32_t own = facts->sampling.rays;
     if (facts->sampling.coherent) {
         double speed_mps = asdic_environment_sound_speed_mps(&run->settings.environment, 0.0);
-        bool is_mesh = strcmp(facts->bottom, ASDIC_RUN_BOTTOM_MESH) == 0;
-        own = asdic_rays_auto(&run->settings.sonar, speed_mps, is_mesh);
-        error = asdic_rays_error_db(&run->settings.sonar, speed_mps, is_mesh, own);
+        asdic_rays_over over = strcmp(facts->bottom, ASDIC_RUN_BOTTOM_MESH) == 0
+                                   ? ASDIC_OVER_MESHES
+                                   : ASDIC_OVER_PLANES;
+        own = asdic_rays_auto(&run->settings.sonar, speed_mps, over);
+        error = asdic_rays_error_db(&run->settings.sonar, speed_mps, over, own);
     }
     double times = isfinite(error) ? pow(error / GOOD_DB, 2) : most;
     double rays = fmin(fmax(times, 1.0), most) * (double)own;
