@@ -369,7 +369,6 @@ static real slope_ms(const world *w, const law_lanes *l, real range) {
 
 /* s(Theta), linear, 1/sr; RANGE limits the area that reflects in phase. */
 static real strength(const world *w, const law_lanes *l, slant a, real range) {
-    __global const dev_ping *ping = w->ping;
     real s = R(0.0);
     if (any_true(l->is_searay)) {
         real f = bottom_backscatter_lin(l->formula[1], l->formula[2], l->formula[0], a.sine);
