@@ -10,7 +10,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 /* --- terms ------------------------------------------------------------------------------------ */
 
@@ -55,17 +54,13 @@ asdic_status asdic_mission_plan(asdic_context *ctx, const asdic_mission *mission
     size_t count = asdic_mission_ping_count(mission);
     asdic_pose *poses = NULL;
     TRY(make_poses(ctx, count, &poses));
-    size_t apart = 0; /* a vehicle at rest has one pose */
     for (size_t i = 0; i < count; i++) {
-        asdic_pose pose = asdic_mission_pose(mission, i, NULL);
-        if (apart == 0 || memcmp(&pose, &poses[apart - 1], sizeof pose) != 0) {
-            poses[apart++] = pose;
-        }
+        poses[i] = asdic_mission_pose(mission, i, NULL);
     }
     asdic_status status =
         asdic_plan_make(ctx, asdic_mission_scene(mission), asdic_mission_environment(mission),
                         asdic_mission_sonar(mission),
-                        asdic_mission_sampling((asdic_mission *)mission), poses, apart, out);
+                        asdic_mission_sampling((asdic_mission *)mission), poses, count, out);
     free(poses);
     if (!status && mission->settings.keeps_all_terms) {
         keep_all(mission, out);

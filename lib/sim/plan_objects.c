@@ -13,6 +13,7 @@
 #include "../../kernels/ping_types.h"
 #include "../../kernels/ray.h"
 
+#include <string.h>
 
 /* Receivers looked at one by one; of more, each is given full gain. */
 #define RECEIVERS_MOST 16
@@ -185,6 +186,9 @@ static verdict judge(const asdic_plan_case *c, const bounds *b, size_t part) {
     }
     double area_m2 = c->noise_lin > 0.0 ? area_of(c->scene, part) : 0.0;
     for (size_t i = 0; i < c->count; i++) {
+        if (i > 0 && memcmp(&c->poses[i], &c->poses[i - 1], sizeof *c->poses) == 0) {
+            continue; /* a vehicle that stands sees nothing new */
+        }
         judge_pose(c, b, part, area_m2, &c->poses[i], &v);
     }
     if (!(c->noise_lin > 0.0)) {
