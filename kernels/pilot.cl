@@ -93,7 +93,10 @@ __kernel void pilot(__global const dev_ping *ping, __global const dev_ray *rays,
     azimuth_lobes lobes = azimuth_lobes_at(ping, sent.z, across);
     azimuth_density(ping, table, &lobes, x, atan2(sent.y, sent.x), &y);
     real sent_out = weight * gain_towards(ping, w.beams, sent.x, sent.y, sent.z);
-    real back_out = weight * gain_towards(ping, w.beams, by.back.x, by.back.y, by.back.z);
+    real back_out = R(0.0);
+    if (ping->boundary_mirrors != 0u) {
+        back_out = weight * gain_towards(ping, w.beams, by.back.x, by.back.y, by.back.z);
+    }
     natural row = (natural)(0u);
     natural ray = rays_in(ping, slot);
     LANES {
