@@ -1,9 +1,11 @@
 /*
- * Rays towards the faces of large objects.
+ * Rays towards the faces of objects.
  *
  * Far ends of walls, pipes and tops that are seen almost edge on fill many range bins but hardly any solid
- * angle, so that a sampler of directions seldom meets them. Some rays are therefore aimed at points spread
- * evenly over faces. Such a ray counts if it meets the point that it was aimed at first.
+ * angle, and a few small faces among many may mirror the sonar and send back nearly all that a bin holds, so
+ * that a sampler of directions seldom meets them. Some rays are therefore aimed at points spread evenly over
+ * each of the faces that need it (lib/sim/faces.c). Such a ray counts if it meets the point that it was
+ * aimed at first.
  * A ray that meets a face, however it was drawn, weighs by the density of all ways to draw it (balance
  * heuristic, Veach 1997, section 9.2): per unit of solid angle, DENSITY rays per square metre are
  * DENSITY d^2 / cos(incidence) (ray_per_steradian).

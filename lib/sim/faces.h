@@ -1,10 +1,11 @@
 /*
- * Faces of large objects that rays are aimed at, see kernels/faces.h.
+ * Faces of objects that rays are aimed at, see kernels/faces.h.
  */
 #ifndef ASDIC_SIM_FACES_H
 #define ASDIC_SIM_FACES_H
 
 #include "../../kernels/ping_types.h"
+#include "laws/scatterer.h"
 #include "ocl/ocl.h"
 #include "scene/placement.h"
 
@@ -20,9 +21,17 @@ typedef struct asdic_faces {
 asdic_status asdic_faces_init(asdic_faces *faces, asdic_device *device, const asdic_scene *scene);
 void asdic_faces_finish(asdic_faces *faces);
 
-/* Which faces rays are aimed at round PING's pose, whose apertures are AIMED (transmitter first), and tells
- * the device. Objects with a cone of their own (asdic_cones_place) are left out. */
+/* What faces are looked at with, and by how many threads. */
+typedef struct asdic_eye {
+    const dev_ping *ping;              /* round whose pose they are chosen */
+    const dev_beam *aimed;             /* its apertures, transmitter first */
+    const asdic_scatterer *scatterers; /* by material */
+    unsigned threads;
+} asdic_eye;
+
+/* Which faces rays are aimed at from POSITION_M, by their areas and by what they send back; tells the device. Of objects
+ * with a cone of their own (asdic_cones_place) only those are taken that its rays seldom meet. */
 asdic_status asdic_faces_choose(asdic_faces *faces, const asdic_placement *placement,
-                                asdic_vec3 position_m, const dev_ping *ping, const dev_beam *aimed);
+                                asdic_vec3 position_m, const asdic_eye *eye);
 
 #endif

@@ -317,8 +317,8 @@ static asdic_status choose_faces(asdic_simulator *sim, const asdic_pose *pose, u
     asdic_ping_shot *shot = &sim->shots[0];
     sim->learnt.faces.count = 0;
     asdic_shot_aim(sim, shot, pose, index, ASDIC_STREAM_PILOT, pilot_rays(sim));
-    return asdic_faces_choose(&sim->learnt.faces, sim->placement, pose->position_m, shot->ping,
-                              asdic_shot_beams(shot));
+    asdic_eye eye = {shot->ping, asdic_shot_beams(shot), sim->setup.scatterers, sim->setup.threads};
+    return asdic_faces_choose(&sim->learnt.faces, sim->placement, pose->position_m, &eye);
 }
 
 /* Where rays matter, of the adaptive sampler. */

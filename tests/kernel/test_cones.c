@@ -271,65 +271,6 @@ static void several_objects_share_rays(void **state) {
     assert_close((double)counts[2], sqrt(0.5) * counts[1], 1.0);
 }
 
-/* Rays aimed at the faces of what is too large for a cone are as dense on each as is said: they add up to all, and
- * what they hear with the others is as loud as what these hear alone. */
-static void rays_at_faces_add_up(void **state) {
-    (void)state;
-    ping_rig r = rig_create(&t);
-    asdic_mesh *mesh = NULL;
-    asdic_pose pose = {{9.0, 0.0, 6.0}, 0.3, 0.4, 0.7};
-    assert_ok(t.ctx, asdic_mesh_box(t.ctx, (asdic_vec3){8.0, 6.0, 3.0}, &mesh));
-    assert_ok(t.ctx, asdic_scene_add_object(r.scene, "block", mesh, pose,
-                                            asdic_material_facet(45.0, 1e-3, 0.2)));
-    asdic_simulator *sim = rig_simulator(&r);
-    assert_ok(t.ctx, asdic_simulator_learn(sim, &r.pose, 0));
-    const asdic_scene *scene = sim->setup.scene;
-    double sum = 0.0;
-    for (size_t i = 0; i < scene->triangle_count; i++) {
-        const dev_triangle *at = &scene->triangles[i];
-        asdic_vec3 v[3];
-        for (int k = 0; k < 3; k++) {
-            const float *c = k == 0 ? at->v0 : k == 1 ? at->v1 : at->v2;
-            v[k] = (asdic_vec3){(double)c[0], (double)c[1], (double)c[2]};
-        }
-        asdic_vec3 normal =
-            asdic_vec3_cross(asdic_vec3_sub(v[1], v[0]), asdic_vec3_sub(v[2], v[0]));
-        sum += (double)sim->learnt.faces.density[i] * 0.5 * asdic_vec3_length(normal);
-    }
-    print_message("%zu faces of %zu, sum %.6f\n", sim->learnt.faces.count, scene->triangle_count,
-                  sum);
-    assert_true(sim->learnt.faces.count > 0);
-    assert_close(sum, 1.0, 1e-4);
-    asdic_simulator_destroy(&sim);
-    double heard[2] = {0.0, 0.0};
-    for (int k = 0; k < 2; k++) {
-        r.sampling.sampler = k ? ASDIC_SAMPLER_BEAM : ASDIC_SAMPLER_ADAPTIVE;
-        r.sampling.rays = 1u << 17;
-        asdic_ping *ping = rig_shoot(&r, 0, true);
-        for (size_t n = 0; n < ping->bins; n++) {
-            heard[k] += ping->intensity_lin[ASDIC_OBJECT][n];
-        }
-        asdic_ping_destroy(&ping);
-    }
-    double off_db = asdic_level_db(heard[0]) - asdic_level_db(heard[1]);
-    print_message("a block with aimed rays: %.3f dB beside the beam sampler\n", off_db);
-    assert_true(fabs(off_db) < 0.1);
-    asdic_mesh_destroy(&mesh);
-    rig_destroy(&r);
-}
-
-/* Without objects no rays are aimed at faces. */
-static void a_floor_alone_has_no_faces(void **state) {
-    (void)state;
-    ping_rig r = rig_create(&t);
-    asdic_simulator *sim = rig_simulator(&r);
-    assert_ok(t.ctx, asdic_simulator_learn(sim, &r.pose, 0));
-    assert_int_equal(sim->learnt.faces.count, 0);
-    assert_int_equal(sim->shots[0].ping->sampling.face_count, 0);
-    asdic_simulator_destroy(&sim);
-    rig_destroy(&r);
-}
-
 /* One ball aside in empty water: pilots show its elevation, and among the elevations near it its azimuth, also at the
  * ends of the azimuths in front of the sonar. */
 static void pilots_learn_where_a_ball_is(void **state) {
@@ -386,8 +327,6 @@ int main(void) {
         cmocka_unit_test(few_rays_keep_the_flat_bins),
         cmocka_unit_test(near_objects_have_cones),
         cmocka_unit_test(several_objects_share_rays),
-        cmocka_unit_test(rays_at_faces_add_up),
-        cmocka_unit_test(a_floor_alone_has_no_faces),
         cmocka_unit_test(pilots_learn_where_a_ball_is),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
