@@ -63,8 +63,9 @@ static void unknown_option(cli *c, const char *typed) {
     }
 }
 
-/* Reports an error of getopt_long: '?' or ':'. */
-static void report_mistake(cli *c, int result, const char *typed) {
+/* Reports an error of getopt_long: a value that an option needs is missing, or one is given that it does not take, or
+ * there is no such option. */
+static void report_mistake(cli *c, const char *typed) {
     const cli_option *known = NULL;
     if (optopt >= FIRST_VALUE) {
         known = c->options[optopt - FIRST_VALUE];
@@ -74,7 +75,7 @@ static void report_mistake(cli *c, int result, const char *typed) {
             known = c->options[i];
         }
     }
-    if (known && (result == ':' || known->arg)) {
+    if (known && known->arg) {
         cli_usage(c, "option '--%s' needs a value: %s", known->name, known->arg);
     } else if (known) {
         cli_usage(c, "option '--%s' takes no value", known->name);
@@ -126,7 +127,7 @@ bool cli_parse(cli *c, int argc, char **argv) {
             break;
         }
         if (result == '?' || result == ':') {
-            report_mistake(c, result, argv[optind > before ? optind - 1 : before]);
+            report_mistake(c, argv[optind > before ? optind - 1 : before]);
             good = false;
             break;
         }

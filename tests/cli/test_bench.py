@@ -159,6 +159,8 @@ def check_pings(rows):
         tap.equal(0 < row["mission_pings_per_s"] <= row["pings_per_s"], True)
         phases = ("sample", "trace", "shade", "bounce", "collect", "reduce", "levels")
         tap.equal(all(row[f"{phase}_s"] >= 0 for phase in phases), True)
+        together = sum(row[f"{phase}_s"] for phase in phases)
+        tap.equal(together < 8 / row["pings_per_s"] + 0.5, True, f"phases of {together:.3g} s")
         # A processor receives after it has shaded, for few beams and for many.
         idle = [phase for phase in phases if phase != "bounce" and is_processor and row[f"{phase}_s"] == 0]
         tap.equal(idle, [], "phases that take no time")
