@@ -17,8 +17,6 @@
  * cosine between their axes is at least SAME_AXIS. */
 #define ASIDE_RAD (ASDIC_PI / 3.0)
 #define SAME_AXIS 0.9998
-/* Distinct aims that get a lobe of their own; beyond, lobes are spread over the sector. */
-#define MAX_AIMS 8
 /* A transmitter with a lobe narrower than this that looks beyond the sector gets a lobe of its own.
  * A wide one sends into the sector as well: a second lobe would only thin the sector's lattice. */
 #define NARROW_RAD 0.1
@@ -159,9 +157,9 @@ static void add_picked(const dev_beam *receivers, size_t receiver_count, dev_lob
     for (size_t r = 1; r < receiver_count; r++) {
         widest = fmax(widest, fabs(wrap(heading_of(&receivers[r]) - first)));
     }
-    for (size_t a = 0; a < MAX_AIMS; a++) {
-        dev_lobe lobe = beam_lobe(&receivers[a * (receiver_count - 1) / (MAX_AIMS - 1)]);
-        lobe.scale_h = (float)fmax(lobe.scale_h, widest / MAX_AIMS);
+    for (size_t a = 0; a < ASDIC_AIMS_MOST; a++) {
+        dev_lobe lobe = beam_lobe(&receivers[a * (receiver_count - 1) / (ASDIC_AIMS_MOST - 1)]);
+        lobe.scale_h = (float)fmax(lobe.scale_h, widest / ASDIC_AIMS_MOST);
         lobes[(*count)++] = lobe;
     }
 }
@@ -204,7 +202,7 @@ static bool add_each(asdic_sampler sampler, const dev_beam *beams, size_t receiv
                      dev_lobe *lobes, unsigned *count) {
     for (size_t b = 0; b <= receiver_count; b++) {
         add_beam(sampler, &beams[b], lobes, count);
-        if (receiver_count > MAX_AIMS && *count > MAX_AIMS) {
+        if (receiver_count > ASDIC_AIMS_MOST && *count > ASDIC_AIMS_MOST) {
             *count = 0;
             return false;
         }

@@ -11,6 +11,9 @@
 /* A sound speed for wavelengths, and so for widths of beams, that need be no truer. */
 #define ASDIC_NOMINAL_MPS 1500.0
 
+/* Distinct aims that get a lobe of their own; beyond, lobes are spread over the sector. */
+#define ASDIC_AIMS_MOST 8
+
 /* Face frame of BEAM on a vehicle at POSE: rows turn a world direction into (away from the face,
  * along the horizontal side, along the vertical side). */
 dev_beam asdic_aim_beam(const asdic_beam *beam, const asdic_pose *pose, double wavelength_m);

@@ -188,6 +188,24 @@ static void a_transmitter_beside_the_fan_is_heard(void **state) {
     rig_destroy(&r);
 }
 
+/* Beams far apart share the rays of a sector, most of which go between them. */
+static void rays_for_beams_apart_suffice(void **state) {
+    (void)state;
+    static const fan_case fan = {20, 136, 120, 35.0, 7.4, 0.8, 1.4, -4, 0, 0, false, 0};
+    ping_rig r = rig_of(&fan);
+    r.sonar.bin_length_m = 0.1;
+    r.sampling.rays =
+        asdic_rays_auto(&r.sonar, asdic_environment_sound_speed_mps(&r.env, r.pose.position_m.z),
+                        ASDIC_OVER_PLANES);
+    asdic_ping *ping = shoot(&r, true);
+    difference d = compare(&r, ping);
+    print_message("beams apart, %u rays: RMS %.3f dB, over stated %.2f\n", r.sampling.rays,
+                  d.rms_db, d.over_stated);
+    assert_true(d.over_stated > 0.7 && d.over_stated < 1.35 && d.rms_db < 0.5);
+    asdic_ping_destroy(&ping);
+    rig_destroy(&r);
+}
+
 static void errors_fall_as_rays_grow(void **state) {
     (void)state;
     double rms_db[2];
@@ -393,6 +411,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(fans_meet_the_quadrature),
         cmocka_unit_test(a_transmitter_beside_the_fan_is_heard),
+        cmocka_unit_test(rays_for_beams_apart_suffice),
         cmocka_unit_test(errors_fall_as_rays_grow),
         cmocka_unit_test(any_receivers_meet_the_quadrature),
         cmocka_unit_test(faces_leak_backwards),

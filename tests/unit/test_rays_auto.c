@@ -37,12 +37,22 @@ static void overlap_asks_for_nothing(void **state) {
     assert_int_equal(rays_of(512, 128.0, 0.0, 50.0, ASDIC_OVER_PLANES), once);
 }
 
+/* Up to eight beams get rays of their own. */
 static void beams_apart_count_each(void **state) {
     (void)state;
-    assert_int_equal(rays_of(20, 120.0, 0.0, 50.0, ASDIC_OVER_PLANES), 40000);
-    assert_int_equal(rays_of(40, 120.0, 0.0, 50.0, ASDIC_OVER_PLANES), 80000);
+    assert_int_equal(rays_of(4, 120.0, 0.0, 250.0, ASDIC_OVER_PLANES), 40000);
+    assert_int_equal(rays_of(8, 120.0, 0.0, 250.0, ASDIC_OVER_PLANES), 80000);
     assert_int_equal(rays_of(4, 0.0, 40.0, 500.0, ASDIC_OVER_PLANES),
                      80000); /* one above the other */
+}
+
+/* More share those of a sector, and what lies between them counts with them; one above the other they do not. */
+static void gaps_in_a_sector_count(void **state) {
+    (void)state;
+    uint32_t whole = rays_of(128, 120.0, 0.0, 50.0, ASDIC_OVER_PLANES);
+    assert_in_range(rays_of(20, 120.0, 0.0, 50.0, ASDIC_OVER_PLANES), whole - 5000, whole + 5000);
+    assert_in_range(rays_of(40, 120.0, 0.0, 50.0, ASDIC_OVER_PLANES), whole - 5000, whole + 5000);
+    assert_int_equal(rays_of(16, 0.0, 20.0, 125.0, ASDIC_OVER_PLANES), 80000);
 }
 
 static void range_counts(void **state) {
@@ -61,14 +71,14 @@ static void limits(void **state) {
 
 static void mirrors_ask_for_twice_as_many(void **state) {
     (void)state;
-    assert_int_equal(rays_of(20, 120.0, 0.0, 50.0, ASDIC_OVER_MIRRORS), 80000);
+    assert_int_equal(rays_of(8, 120.0, 0.0, 125.0, ASDIC_OVER_MIRRORS), 80000);
 }
 
 static void meshes_ask_for_more(void **state) {
     (void)state;
     assert_int_equal(rays_of(5, 350.0, 0.0, 60.0, ASDIC_OVER_MESHES), 390000); /* 128 a cell */
     assert_int_equal(rays_of(100, 120.0, 0.0, 10.0, ASDIC_OVER_MESHES), 400000);
-    assert_int_equal(rays_of(100, 120.0, 0.0, 15.0, ASDIC_OVER_MESHES), 480000); /* 32 a cell */
+    assert_int_equal(rays_of(100, 120.0, 0.0, 13.0, ASDIC_OVER_MESHES), 500000); /* 32 a cell */
 }
 
 /* A fan that is turned as a whole has as many beams that do not overlap: that of an echo sounder,
@@ -130,6 +140,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(overlap_asks_for_nothing),
         cmocka_unit_test(beams_apart_count_each),
+        cmocka_unit_test(gaps_in_a_sector_count),
         cmocka_unit_test(range_counts),
         cmocka_unit_test(limits),
         cmocka_unit_test(mirrors_ask_for_twice_as_many),

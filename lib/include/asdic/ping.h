@@ -72,8 +72,8 @@ typedef enum asdic_rays_over {
 } asdic_rays_over;
 
 /* Rays for a stated error of about 0.5 dB r.m.s. in bins above the noise: by the bins, by the
- * beams as far as they do not overlap, and by what is below them; 20,000 to 524,288. The same on
- * every machine. */
+ * beams as far as they do not overlap, of more than eight by the gaps between them too, and by what
+ * is below them; 20,000 to 524,288. The same on every machine. */
 ASDIC_API uint32_t asdic_rays_auto(const asdic_sonar *sonar, double sound_speed_mps,
                                    asdic_rays_over over);
 
