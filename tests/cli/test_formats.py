@@ -876,6 +876,24 @@ def test_beams_straight_down_make_no_fan():
         asdic("render", folder / "r", "--images", "fan,ascope").check(code=0)
 
 
+def test_rings_of_fans_lie_at_their_ranges():
+    with Folder() as folder:
+        run = run_of(folder, edits={"receivers:\n    - {name: forward}\n    - {name: down, pitch_deg: 45}":
+                                    "receivers: {fan: {count: 9, sector_deg: 90, length_h_m: 0.1}}"})
+        if not any(name.startswith("fan") for name in pictures(folder, "r")):
+            raise tap.Skip("built without cairo")
+        svg = render_bytes(run, "--images", "fan", "--ping", "0", "--format", "svg").decode()
+        drawn = re.findall(r'stroke:rgb\(54\.5[^"]*" d="M ([\d.]+) ([\d.]+) ([CL])', svg)
+        lines = [(float(x), float(y)) for x, y, kind in drawn if kind == "L"]
+        sonar = max(lines, key=lines.count)  # both edges of the sector begin there
+        radii = [math.dist(sonar, (float(x), float(y))) for x, y, kind in drawn if kind == "C"]
+        said = facts(folder, "r")
+        reach_m = said["bins"] * said["bin_length_m"]
+        tap.equal(len(radii) > 2 and radii[0] > 300, True, f"the outermost, then the others: {radii}")
+        metres = [radius * reach_m / radii[0] for radius in radii[1:]]
+        tap.equal([m for k, m in enumerate(metres, 1) if abs(m - k * round(metres[0])) > 0.05], [], f"rings at {metres}")
+
+
 def test_vector_pictures():
     with Folder() as folder:
         run = run_of(folder, edits={"fan]": "fan, overview, plan]"})
@@ -891,8 +909,10 @@ def test_vector_pictures():
                       (b"%PDF-", True, True), stem)
             if not re.search(rb"/Keywords \((\w+: [^;)]+; )*\w+: [^;)]+\)", content):
                 raise AssertionError(f"{stem}: no keywords")
+            said = png_texts(data(folder, "r", stem + ".png"))
+            if said["Title"].isascii():
+                tap.equal(f"/Title ({said['Title']})".encode() in content, True, f"{stem}: {said['Title']}")
             if stem == "waterfall_down":
-                said = png_texts(data(folder, "r", stem + ".png"))
                 for key in ("db_low", "db_high"):
                     tap.contains(content.decode("latin-1"), f"{key}: {said[key]}")
             root = xml.etree.ElementTree.fromstring(data(folder, "r", stem + ".svg"))
