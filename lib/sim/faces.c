@@ -96,9 +96,9 @@ static view look(const asdic_eye *e, const dev_triangle *t, const asdic_part *pa
     asdic_vec3 a = corner(t->v0), ab = asdic_vec3_sub(corner(t->v1), a),
                ac = asdic_vec3_sub(corner(t->v2), a);
     asdic_vec3 to = asdic_vec3_sub(a, corner(ping->origin));
-    asdic_vec3 half = asdic_vec3_scale(asdic_vec3_add(ab, ac), 1.0 / 3.0);
+    asdic_vec3 inward = asdic_vec3_scale(asdic_vec3_add(ab, ac), 1.0 / 3.0);
     double reach = sqrt(fmax(asdic_vec3_dot(ab, ab), asdic_vec3_dot(ac, ac)));
-    ray_way way = asdic_sonar_ray(ping, asdic_vec3_add(to, half), 0.0);
+    ray_way way = asdic_sonar_ray(ping, asdic_vec3_add(to, inward), 0.0);
     double distance = way.t;
     view v = {.area_m2 = 0.5 * asdic_vec3_length(asdic_vec3_cross(ab, ac))};
     if (distance - reach <= ping->reach_m) {
@@ -110,7 +110,7 @@ static view look(const asdic_eye *e, const dev_triangle *t, const asdic_part *pa
         }
         bool seen = asdic_vec3_dot(to, corner(t->normal)) < 0.0;
         v.weight = v.area_m2 * (seen ? 1.0 : AWAY) * fmax(gain, OFF_BEAM);
-        v.strength_lin = strength_of(e, t, part, asdic_vec3_add(a, half),
+        v.strength_lin = strength_of(e, t, part, asdic_vec3_add(a, inward),
                                      ray_direction(&way.r, distance), distance, reach);
         v.bin = (size_t)fmin(fmax(distance, 0.0) / ping->bin_m, ping->bins - 1.0);
     }
