@@ -459,6 +459,7 @@ static void what_moves_is_where_it_was_put(void **state) {
     }
     assert_close(scene->bvh.extent_m, largest, 1e-3);
     check(asdic_placement_create(scene, &placement));
+    assert_int_equal(placement->first[0], 0); /* there is room for no more than its triangles */
     assert_close(placement->extent_m, largest, 1e-3);
     for (int round = 0; round < MOVABLES; round++) { /* each is the farthest once */
         for (int i = 0; i < MOVABLES; i++) {
