@@ -230,8 +230,7 @@ static void meet_facet(const world *w, uint triangle, vector at, meeting *m, uin
     AT(m->surface.x, float) = normal.x;
     AT(m->surface.y, float) = normal.y;
     AT(m->surface.z, float) = normal.z;
-    AT(m->coherent_m2, float) =
-        max(t->flat_m2, min(w->ping->wavelength_m * t->radius_m, part->size_m2));
+    AT(m->coherent_m2, float) = smooth_flat_m2(t, w->ping->wavelength_m, part->size_m2);
     AT(m->kind, uint) = part->kind;
     AT(m->material, uint) = part->material;
 }

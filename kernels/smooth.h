@@ -76,6 +76,14 @@ static inline vector smooth_normal(SMOOTH_SPACE const dev_triangle *t, vector p)
     return vector_unit(n);
 }
 
+/* The flat area of T that reflects in phase, m2, of an object whose largest extent has the square SIZE_M2. */
+static inline float smooth_flat_m2(SMOOTH_SPACE const dev_triangle *t, float wavelength_m,
+                                   float size_m2) {
+    float curved = wavelength_m * t->radius_m;
+    curved = curved < size_m2 ? curved : size_m2;
+    return t->flat_m2 > curved ? t->flat_m2 : curved;
+}
+
 /* What a mirror's curvature does to a ray along U. */
 typedef struct smooth_bend {
     float trace; /* kappa_t / cos i + kappa_s cos i: curvatures along and across the plane of

@@ -82,11 +82,10 @@ static double strength_of(const asdic_eye *e, const dev_triangle *t, const asdic
     double sine = sqrt((1.0 - cosine) * (1.0 + cosine));
     double off = fmin(reach / fmax(range, 1e-9) + lean_of(t, n), 1.0);
     double least = fmax(sine * sqrt((1.0 - off) * (1.0 + off)) - cosine * off, 0.0);
-    double straight =
-        fmin(e->ping->wavelength_m * t->radius_m, 4.0 * part->radius_m * part->radius_m);
+    float size_m2 = (float)(4.0 * part->radius_m * part->radius_m);
     asdic_incidence at = {.sine = sqrt((1.0 - least) * (1.0 + least)),
                           .cos2 = least * least,
-                          .coherent_m2 = fmax(t->flat_m2, straight),
+                          .coherent_m2 = smooth_flat_m2(t, e->ping->wavelength_m, size_m2),
                           .range_m = range};
     return s->silent ? 0.0 : s->material.law->strength_lin(s, &at);
 }
