@@ -57,11 +57,9 @@ static inline void target_rig_add(target_rig *r, asdic_mesh *mesh, double range_
     asdic_mesh_destroy(&mesh);
 }
 
-/* Mean of PINGS pings' energy, all of COMPONENT's bins; *DEVIATION: of that mean, relative. */
-static inline double target_rig_energy(target_rig *r, asdic_component component, int pings,
-                                       double *deviation) {
+/* A simulator of R's scene, and room for its pings; the caller destroys both. */
+static inline asdic_simulator *target_rig_simulator(target_rig *r, asdic_ping **ping) {
     asdic_simulator *sim = NULL;
-    asdic_ping *ping = NULL;
     asdic_context *ctx = r->device->ctx;
     r->sonar.receivers = &r->receiver;
     if (!asdic_scene_get_info(r->scene).bvh_nodes) {
@@ -69,15 +67,30 @@ static inline double target_rig_energy(target_rig *r, asdic_component component,
     }
     assert_ok(ctx, asdic_simulator_create(ctx, r->device->device, r->scene, &r->env, &r->sonar,
                                           &r->sampling, r->pose.position_m.z, &sim));
-    assert_ok(ctx, asdic_ping_create(ctx, 1, asdic_simulator_bin_count(sim), &ping));
+    assert_ok(ctx, asdic_ping_create(ctx, 1, asdic_simulator_bin_count(sim), ping));
+    return sim;
+}
+
+/* Energy of ping INDEX, all of COMPONENT's bins. */
+static inline double target_rig_shoot(target_rig *r, asdic_simulator *sim, int index,
+                                      asdic_component component, asdic_ping *ping) {
+    assert_ok(r->device->ctx, asdic_simulator_ping(sim, &r->pose, (uint64_t)index, ping));
+    assert_int_equal(ping->saturated, 0);
+    double energy = 0.0;
+    for (size_t n = 0; n < ping->bins; n++) {
+        energy += ping->intensity_lin[component][n];
+    }
+    return energy;
+}
+
+/* Mean of PINGS pings' energy, all of COMPONENT's bins; *DEVIATION: of that mean, relative. */
+static inline double target_rig_energy(target_rig *r, asdic_component component, int pings,
+                                       double *deviation) {
+    asdic_ping *ping = NULL;
+    asdic_simulator *sim = target_rig_simulator(r, &ping);
     double sum = 0.0, square = 0.0;
     for (int k = 0; k < pings; k++) {
-        assert_ok(ctx, asdic_simulator_ping(sim, &r->pose, (uint64_t)k, ping));
-        assert_int_equal(ping->saturated, 0);
-        double energy = 0.0;
-        for (size_t n = 0; n < ping->bins; n++) {
-            energy += ping->intensity_lin[component][n];
-        }
+        double energy = target_rig_shoot(r, sim, k, component, ping);
         sum += energy / pings;
         square += energy * energy / pings;
     }

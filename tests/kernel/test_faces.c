@@ -2,6 +2,7 @@
  * Rays aimed at faces: of what is too large for a cone, and of small pieces that send back far more than what is
  * beside them, which a cone's even rays seldom meet.
  */
+#include "dice.h"
 #include "ping_rig.h"
 #include "target_bodies.h"
 #include "target_rig.h"
@@ -74,12 +75,6 @@ static void a_floor_alone_has_no_faces(void **state) {
 #define PLATE_M 0.2
 #define FAR_M 150.0
 
-/* The same on every machine, 0 to 1. */
-static double draw(uint64_t *state) {
-    *state = *state * 6364136223846793005u + 1442695040888963407u;
-    return (double)(*state >> 11) * 0x1p-53;
-}
-
 /* A square plate in S at AT, its normal along N, unit. */
 static void add_plate(soup *s, asdic_vec3 at, asdic_vec3 n) {
     asdic_vec3 up = {0.0, 0.0, 1.0};
@@ -106,11 +101,12 @@ static asdic_mesh *scattered_plates(size_t count, double reach_m) {
     soup s = soup_create(2 * (count + 1), NULL);
     uint64_t state = 7;
     for (size_t i = 0; i < count; i++) {
-        double off = (40.0 + 40.0 * draw(&state)) * RIG_DEGREE,
-               turn = 2.0 * ASDIC_PI * draw(&state);
+        double off = (40.0 + 40.0 * random_unit(&state)) * RIG_DEGREE,
+               turn = 2.0 * ASDIC_PI * random_unit(&state);
         asdic_vec3 n = {-cos(off), sin(off) * cos(turn), sin(off) * sin(turn)};
-        asdic_vec3 at = {4.0 * draw(&state) + 0.3, reach_m * (2.0 * draw(&state) - 1.0),
-                         reach_m * (2.0 * draw(&state) - 1.0)};
+        asdic_vec3 at = {4.0 * random_unit(&state) + 0.3,
+                         reach_m * (2.0 * random_unit(&state) - 1.0),
+                         reach_m * (2.0 * random_unit(&state) - 1.0)};
         add_plate(&s, at, n);
     }
     asdic_vec3 to = {-FAR_M, -3.0, 0.0};
@@ -125,21 +121,12 @@ typedef struct heard {
 
 static heard hear(target_rig *r, double range_m) {
     enum { PINGS = 16 };
-    asdic_simulator *sim = NULL;
-    asdic_ping *ping = NULL;
     heard h = {INFINITY, -INFINITY};
-    r->sonar.receivers = &r->receiver;
-    assert_ok(t.ctx, asdic_scene_commit(r->scene));
-    assert_ok(t.ctx, asdic_simulator_create(t.ctx, t.device, r->scene, &r->env, &r->sonar,
-                                            &r->sampling, r->pose.position_m.z, &sim));
-    assert_ok(t.ctx, asdic_ping_create(t.ctx, 1, asdic_simulator_bin_count(sim), &ping));
+    asdic_ping *ping = NULL;
+    asdic_simulator *sim = target_rig_simulator(r, &ping);
     assert_ok(t.ctx, asdic_simulator_learn(sim, &r->pose, 0));
     for (int k = 0; k < PINGS; k++) {
-        assert_ok(t.ctx, asdic_simulator_ping(sim, &r->pose, (uint64_t)k, ping));
-        double energy = 0.0;
-        for (size_t n = 0; n < ping->bins; n++) {
-            energy += ping->intensity_lin[ASDIC_OBJECT][n];
-        }
+        double energy = target_rig_shoot(r, sim, k, ASDIC_OBJECT, ping);
         double strength_db = target_rig_strength_db(r, energy, range_m);
         h.least_db = fmin(h.least_db, strength_db);
         h.most_db = fmax(h.most_db, strength_db);
