@@ -7,10 +7,12 @@
  * the groups suggest corrects the stated errors of the block. A ping of many receivers has one group and a
  * nominal spread of 1: there the ratio is the relative variance itself.
  *
- * Edges of objects make a lattice err less like 1 / N than water and bottom do. So bins that objects rule
- * share a ratio among themselves, over all beams, and the others among themselves. Open water, too, may err more
- * than the boundaries whose ratio its bins share: through layers a narrow beam has few rays far away. Its own
- * variance, by the ratio of all bins that water rules, is the least that a bin has of its share.
+ * Edges of objects make a lattice err less like 1 / N than water and bottom do, and so does the nearest spot of the
+ * bottom or the surface, whose rim cuts through the lattice. So bins that objects rule share a ratio among
+ * themselves, over all beams, those of first echoes among themselves, and the others among themselves. Open
+ * water, too, may err more than the boundaries whose ratio its bins share: through layers a narrow beam has few
+ * rays far away. Its own variance, by the ratio of all bins that water rules, is the least that a bin has of its
+ * share.
  *
  * The calibration also shows what a ping may have missed: a ping that holds less energy than the
  * calibration's pings knows less of its error than they do.
@@ -42,6 +44,10 @@
  * alike: together they tell less than as many independent ones. */
 #define TYPICAL_WEIGHT 6.0
 #define TYPICAL_SAMPLES 128
+/* Bins of a first echo: the first in which a beam hears the bottom, or the surface, and the next. Their errors are
+ * not those of the bins behind, by this ratio as measured, which counts as TYPICAL_WEIGHT bins. */
+#define FIRST_BINS 2
+#define FIRST_RATIO 2.3
 /* A cell's ratio is cut to this: else a few rare bright rays would rule the window. */
 #define MOST_RATIO 20.0
 /* The variance that groups suggest is averaged: ASDIC_OWN_PING of it is this ping's, OWN_BIN the
@@ -77,6 +83,9 @@ typedef struct alike {
     size_t low, high;
 } alike;
 
+/* What a cell's error is like. */
+typedef enum kind { OF_OBJECTS, OF_FIRST_ECHO, OF_THE_REST } kind;
+
 /* What the calibration's pings gave, per cell. The memory is kept from block to block: for many beams and
  * bins it is a hundred megabytes, which take longer to allocate than to fill. */
 typedef struct asdic_calibration {
@@ -88,7 +97,8 @@ typedef struct asdic_calibration {
     float *objects, *water;         /* of the mean, what came off objects, off water */
     asdic_ping *pings[PINGS_ALONE]; /* the latest; as many as go to the device together */
     double *row;                    /* scratch, 4 (bins + 1) */
-    alike *alike;                   /* of each receiver where they are many, else NULL */
+    size_t *first_bin[2]; /* of each receiver, where it first hears the bottom, and the surface */
+    alike *alike;         /* of each receiver where they are many, else NULL */
 } calibration;
 
 /* The relative variance of one ping, from how the calibration's pings differ in a cell; negative: the cell
@@ -112,31 +122,29 @@ static double cell_ratio(const calibration *c, size_t cell) {
     return variance < 0.0 ? -1.0 : fmin(variance / c->suggested[cell], MOST_RATIO);
 }
 
-static bool is_ruled_by_objects(const calibration *c, size_t cell) {
-    return c->objects[cell] > 0.5 * c->mean[cell];
-}
-
-/* The ratio of a cell that objects rule, or that they do not; negative: it is of the others, or empty. */
-static double ratio_among(const calibration *c, bool of_objects, size_t cell) {
-    return is_ruled_by_objects(c, cell) == of_objects ? cell_ratio(c, cell) : -1.0;
+static bool is_of_first_echo(const calibration *c, size_t beam, size_t bin) {
+    size_t bottom = c->first_bin[0][beam], surface = c->first_bin[1][beam];
+    return (bin >= bottom && bin - bottom < FIRST_BINS) ||
+           (bin >= surface && bin - surface < FIRST_BINS);
 }
 
 static bool is_ruled_by_water(const calibration *c, size_t cell) {
     return c->water[cell] > 0.5 * c->mean[cell];
 }
 
-/* The mean ratio of all cells that something rules; 1 where there are none. */
-static double mean_ratio(const asdic_simulator *sim, const calibration *c,
-                         bool (*is_ruled)(const calibration *c, size_t cell)) {
-    double sum = 0.0, count = 0.0;
-    for (size_t cell = 0; cell < sim->setup.cells; cell++) {
-        double ratio = is_ruled(c, cell) ? cell_ratio(c, cell) : -1.0;
-        if (ratio >= 0.0) {
-            sum += ratio;
-            count += 1.0;
-        }
+static kind kind_of(const asdic_simulator *sim, const calibration *c, size_t cell) {
+    if (c->objects[cell] > 0.5 * c->mean[cell]) {
+        return OF_OBJECTS;
     }
-    return count > 0.0 ? sum / count : 1.0;
+    bool is_first = !is_ruled_by_water(c, cell) &&
+                    is_of_first_echo(c, cell / sim->setup.bins, cell % sim->setup.bins);
+    return is_first ? OF_FIRST_ECHO : OF_THE_REST;
+}
+
+/* The ratio of a cell of KIND; negative: it is of another, or empty. */
+static double ratio_among(const asdic_simulator *sim, const calibration *c, kind kind,
+                          size_t cell) {
+    return kind_of(sim, c, cell) == kind ? cell_ratio(c, cell) : -1.0;
 }
 
 static int compare(const void *a, const void *b) {
@@ -144,19 +152,55 @@ static int compare(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* The typical ratio of a beam whose bins begin at cell FIRST, but for those that objects rule: from the
- * median, which outliers in deep nulls do not move. */
+/* The typical ratio of the rest of a beam whose bins begin at cell FIRST: from the median, which outliers in deep
+ * nulls do not move. */
 static double typical_ratio(const asdic_simulator *sim, size_t first, const calibration *c) {
     double ratios[TYPICAL_SAMPLES];
     size_t count = 0, step = (sim->setup.bins + TYPICAL_SAMPLES - 1) / TYPICAL_SAMPLES;
     for (size_t n = 0; n < sim->setup.bins; n += step) {
-        double ratio = ratio_among(c, false, first + n);
+        double ratio = ratio_among(sim, c, OF_THE_REST, first + n);
         if (ratio >= 0.0) {
             ratios[count++] = ratio;
         }
     }
     qsort(ratios, count, sizeof *ratios, compare);
     return count ? ratios[count / 2] / MEDIAN_SQUARE : 1.0;
+}
+
+typedef struct ratio_sum {
+    double sum, count;
+} ratio_sum;
+
+static void add_ratio(ratio_sum *to, double ratio) {
+    to->sum += fmax(ratio, 0.0);
+    to->count += ratio >= 0.0;
+}
+
+/* FALLBACK counts as WEIGHT cells, or as all where there are none. */
+static double mean_of(ratio_sum ratios, double fallback, double weight) {
+    double count = ratios.count + weight;
+    return count > 0.0 ? (ratios.sum + weight * fallback) / count : fallback;
+}
+
+/* Over all beams; of water, of the cells that it rules. */
+typedef struct shared_ratios {
+    double objects, first_echo, water;
+} shared_ratios;
+
+static shared_ratios share_ratios(const asdic_simulator *sim, const calibration *c) {
+    ratio_sum objects = {0}, first = {0}, water = {0}, rest = {0};
+    for (size_t cell = 0; cell < sim->setup.cells; cell++) {
+        add_ratio(&objects, ratio_among(sim, c, OF_OBJECTS, cell));
+        add_ratio(&first, ratio_among(sim, c, OF_FIRST_ECHO, cell));
+        add_ratio(&water, is_ruled_by_water(c, cell) ? cell_ratio(c, cell) : -1.0);
+    }
+    for (size_t cell = 0; cell < sim->setup.cells; cell += sim->setup.bins) {
+        add_ratio(&rest, typical_ratio(sim, cell, c));
+    }
+    double usual = FIRST_RATIO * mean_of(rest, 1.0, 0.0);
+    return (shared_ratios){.objects = mean_of(objects, 1.0, 0.0),
+                           .first_echo = mean_of(first, usual, TYPICAL_WEIGHT),
+                           .water = mean_of(water, 1.0, 0.0)};
 }
 
 /* SUMS[n] is the sum of the first n VALUES; within() is then the sum of those within REACH of bin N. */
@@ -213,21 +257,21 @@ static double water_variance(const asdic_simulator *sim, size_t first, double ra
     return count > 0.0 ? sum / count : 0.0;
 }
 
-/* The bins of a beam that objects rule, or those that they do not; of the WATER's variance each has its share. */
-static void calibrate_bins(asdic_simulator *sim, size_t first, bool of_objects, double typical,
+/* The bins of a beam that are of KIND; of the WATER's variance each has its share. */
+static void calibrate_bins(asdic_simulator *sim, size_t first, kind kind, double typical,
                            double water, const calibration *c) {
     size_t bins = sim->setup.bins;
     double *values = c->row, *sums = values + bins + 1, *counts = sums + bins + 1;
     for (size_t n = 0; n < bins; n++) {
-        values[n] = fmax(ratio_among(c, of_objects, first + n), 0.0);
+        values[n] = fmax(ratio_among(sim, c, kind, first + n), 0.0);
     }
     add_up(values, bins, sums);
     for (size_t n = 0; n < bins; n++) {
-        values[n] = ratio_among(c, of_objects, first + n) >= 0.0;
+        values[n] = ratio_among(sim, c, kind, first + n) >= 0.0;
     }
     add_up(values, bins, counts);
     for (size_t n = 0; n < bins; n++) {
-        if (is_ruled_by_objects(c, first + n) != of_objects) {
+        if (kind_of(sim, c, first + n) != kind) {
             continue;
         }
         double ratio = (within(sums, bins, n, WINDOW) + TYPICAL_WEIGHT * typical) /
@@ -237,7 +281,8 @@ static void calibrate_bins(asdic_simulator *sim, size_t first, bool of_objects, 
         double own = OWN_ERROR * fmax(cell_variance(c, first + n), 0.0) / LARGER_OF_SEVERAL;
         double share = c->mean[first + n] > 0.0 ? c->water[first + n] / c->mean[first + n] : 0.0;
         ratio /= LARGER_OF_SEVERAL;
-        ratio = of_objects ? fmax(ratio, fmin((double)ASDIC_NO_LATTICE * block, 1.0)) : ratio;
+        ratio =
+            kind == OF_OBJECTS ? fmax(ratio, fmin((double)ASDIC_NO_LATTICE * block, 1.0)) : ratio;
         sim->learnt.stated[first + n] = (asdic_stated_error){
             .of_groups = (float)ratio,
             .of_block = (float)(fmax(ratio * block, share * share * water) + own),
@@ -245,13 +290,13 @@ static void calibrate_bins(asdic_simulator *sim, size_t first, bool of_objects, 
     }
 }
 
-/* OBJECTS, WATER: the ratios of those, over all beams. */
-static void calibrate_beam(asdic_simulator *sim, size_t beam, double objects, double water,
+static void calibrate_beam(asdic_simulator *sim, size_t beam, shared_ratios shared,
                            const calibration *c) {
     size_t first = beam * sim->setup.bins;
-    double variance = water_variance(sim, first, water, c);
-    calibrate_bins(sim, first, true, objects, variance, c);
-    calibrate_bins(sim, first, false, typical_ratio(sim, first, c), variance, c);
+    double water = water_variance(sim, first, shared.water, c);
+    calibrate_bins(sim, first, OF_OBJECTS, shared.objects, water, c);
+    calibrate_bins(sim, first, OF_FIRST_ECHO, shared.first_echo, water, c);
+    calibrate_bins(sim, first, OF_THE_REST, typical_ratio(sim, first, c), water, c);
     spread_rare(sim, first, c, sim->learnt.stated + first);
 }
 
@@ -287,9 +332,11 @@ static uint32_t find_alike(const asdic_sonar *sonar, alike *out) {
     return pings;
 }
 
-/* The mean relative variance of beam B's bins round bin N, of those that hold anything; negative: none does. */
+/* The mean relative variance of beam B's bins round bin N, of those that hold anything; negative: none does. A first
+ * echo's bin has its own alone. */
 static double beam_variance(const asdic_simulator *sim, size_t b, size_t n, const calibration *c) {
     size_t bins = sim->setup.bins, reach = is_alone(&c->alike[b]) ? BIN_WINDOW_ALONE : BIN_WINDOW;
+    reach = is_of_first_echo(c, b, n) ? 0 : reach;
     size_t from = n > reach ? n - reach : 0, to = n + reach < bins ? n + reach : bins - 1;
     double variance[2 * BIN_WINDOW_ALONE + 1], known = 0.0, mean = 0.0;
     for (size_t k = from; k <= to; k++) {
@@ -342,6 +389,21 @@ static void take_ping(const asdic_simulator *sim, const asdic_ping *ping, uint32
     }
 }
 
+/* Where each receiver first hears the bottom, and the surface, in any ping. */
+static void take_first_bins(const asdic_simulator *sim, const asdic_ping *ping, calibration *c) {
+    const asdic_component boundaries[] = {ASDIC_BOTTOM, ASDIC_SURFACE};
+    for (size_t k = 0; k < 2; k++) {
+        const double *energy = ping->intensity_lin[boundaries[k]];
+        for (size_t b = 0; b < sim->setup.sonar.receiver_count; b++) {
+            size_t n = 0, *first = &c->first_bin[k][b];
+            while (n < *first && !(energy[b * sim->setup.bins + n] > 0.0)) {
+                n++;
+            }
+            *first = n;
+        }
+    }
+}
+
 /* With few receivers. */
 static void take_mean(const asdic_simulator *sim, const asdic_ping *ping, calibration *c) {
     double *const *part = ping->intensity_lin;
@@ -364,6 +426,9 @@ static asdic_status run_pings(asdic_simulator *sim, const asdic_pose *pose, uint
         memset(c->objects, 0, sim->setup.cells * sizeof *c->objects);
         memset(c->water, 0, sim->setup.cells * sizeof *c->water);
     }
+    for (size_t b = 0; b < sim->setup.sonar.receiver_count; b++) {
+        c->first_bin[0][b] = c->first_bin[1][b] = sim->setup.bins;
+    }
     for (uint32_t k = 0; k < c->count;) {
         uint32_t left = c->count - k;
         uint32_t together = sim->setup.ping_batch < left ? (uint32_t)sim->setup.ping_batch : left;
@@ -379,6 +444,7 @@ static asdic_status run_pings(asdic_simulator *sim, const asdic_pose *pose, uint
             asdic_pulse_smear(&sim->setup.sonar, sim->shots[i].water.sound_speed_mps,
                               sim->setup.threads, sim->host.scratch, c->pings[i]);
             take_ping(sim, c->pings[i], k, c);
+            take_first_bins(sim, c->pings[i], c);
         }
     }
     return ASDIC_OK;
@@ -403,7 +469,9 @@ static asdic_status allocate(const asdic_simulator *sim, calibration *c) {
             (c->rare = malloc(cells * sizeof *c->rare)) &&
             (c->objects = malloc(cells * sizeof *c->objects)) &&
             (c->water = malloc(cells * sizeof *c->water)) &&
-            (c->row = malloc(4 * (longest + 1) * sizeof *c->row));
+            (c->row = malloc(4 * (longest + 1) * sizeof *c->row)) &&
+            (c->first_bin[0] = malloc(beams * sizeof *c->first_bin[0])) &&
+            (c->first_bin[1] = malloc(beams * sizeof *c->first_bin[1]));
     if (!whole) {
         return asdic_fail_memory(sim->ctx, "a calibration");
     }
@@ -439,6 +507,8 @@ void asdic_calibration_destroy(asdic_calibration **c) {
         free((*c)->water);
         free((*c)->row);
         free((*c)->alike);
+        free((*c)->first_bin[0]);
+        free((*c)->first_bin[1]);
         free(*c);
         *c = NULL;
     }
@@ -455,11 +525,10 @@ asdic_status asdic_simulator_calibrate(asdic_simulator *sim, const asdic_pose *p
         }
         return asdic_drift_learn(sim);
     }
-    double objects = mean_ratio(sim, c, is_ruled_by_objects);
-    double water = mean_ratio(sim, c, is_ruled_by_water);
-    sim->learnt.object_ratio = (float)objects;
+    shared_ratios shared = share_ratios(sim, c);
+    sim->learnt.object_ratio = (float)shared.objects;
     for (size_t beam = 0; beam < sim->setup.sonar.receiver_count; beam++) {
-        calibrate_beam(sim, beam, objects, water, c);
+        calibrate_beam(sim, beam, shared, c);
     }
     return asdic_drift_learn(sim);
 }

@@ -3,7 +3,7 @@
  * lies within 0.8 and 1.3 over all bins from 2 m on and over the far third of them, within 0.7 and 1.3 where the
  * vehicle has gone on over terrain; within 0.8 and 1.25 of each of many unlike beams, within 0.7 and 1.25 of the bins
  * that open water rules; within 0.6 and 1.4 where the vehicle has come nearer to objects since it learnt, or they to
- * it, within 0.4 and 1.3 of those bins that objects rule.
+ * it, within 0.4 and 1.3 of those bins that objects rule; within 0.7 and 1.3 of the bins of first echoes.
  */
 #include "asserts.h"
 #include "test_device.h"
@@ -502,6 +502,56 @@ static void open_water(void **state) {
     rig_close(&r);
 }
 
+/* The first two bins in which a beam hears the bottom, or the surface, and the rest. */
+static void add_first(const honesty_rig *r, const asdic_ping *truth, size_t i, double square,
+                      honesty_sum *sums) {
+    static const asdic_component boundaries[] = {ASDIC_BOTTOM, ASDIC_SURFACE};
+    (void)r;
+    bool is_first = false;
+    for (size_t k = 0; k < 2; k++) {
+        const double *energy = truth->intensity_lin[boundaries[k]];
+        bool rules = energy[i] > 0.5 * truth->intensity_lin[ASDIC_TOTAL][i];
+        is_first = is_first || (rules && (!(energy[i - 1] > 0.0) || !(energy[i - 2] > 0.0)));
+    }
+    add_square(&sums[is_first], square);
+}
+
+static void first_echoes(void **state) {
+    (void)state;
+    static const char text[] =
+        "version: 1\n"
+        "environment: {wind_speed_kn: 8}\n"
+        "bottom: {depth_m: %g, type: sand}\n"
+        "sonar:\n"
+        "  frequency_khz: 150\n"
+        "  bandwidth_khz: 10\n"
+        "  max_range_m: 30\n"
+        "  bin_length_m: 0.2\n"
+        "  transmitter: {pitch_deg: 8, length_h_m: 0.01, length_v_m: 0.02}\n"
+        "  receivers: {fan: {count: %zu, sector_deg: 60, length_h_m: 0.05, length_v_m: 0.015}}\n"
+        "mission: {pose: {position_m: [0, 0, %g], roll_deg: 5}, pings: 1}\n";
+    static const double depths_m[] = {9.0, 12.1, 14.2};
+    static const size_t beams[] = {3, 24};
+    for (size_t k = 0; k < 2; k++) {
+        honesty_sum sums[2] = {{0}};
+        for (size_t i = 0; i < 3; i++) {
+            char whole[sizeof text + 64];
+            snprintf(whole, sizeof whole, text, depths_m[i], beams[k], 0.45 * depths_m[i]);
+            asdic_mission *mission = NULL;
+            asdic_scene_text scene = {.text = whole, .length = strlen(whole), .name = "first.yaml"};
+            assert_ok(t.ctx, asdic_mission_load_text(t.ctx, &scene, &mission));
+            honesty_rig r = rig_of(mission);
+            add_errors(&r, 20000, 8, add_first, sums);
+            rig_close(&r);
+        }
+        print_message(
+            "%2zu beams, bins of first echoes: true over stated %.2f of %.0f, rest %.2f\n",
+            beams[k], rms_of(sums[1]), sums[1].count, rms_of(sums[0]));
+        assert_true(rms_of(sums[1]) > 0.7 && rms_of(sums[1]) < 1.3);
+        assert_true(rms_of(sums[0]) > 0.7 && rms_of(sums[0]) < 1.3);
+    }
+}
+
 /* Objects in open water. The vehicle has come nearer since it learnt, or one of them to it: an echo that few rays make
  * is in bins that held water then. */
 static const char objects_text[] =
@@ -570,6 +620,7 @@ int main(void) {
         cmocka_unit_test(a_way_over_terrain_learns_anew),
         cmocka_unit_test(unlike_beams),
         cmocka_unit_test(open_water),
+        cmocka_unit_test(first_echoes),
         cmocka_unit_test(objects_that_came_nearer),
         cmocka_unit_test(samplers_that_do_not_learn),
     };
