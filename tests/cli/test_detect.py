@@ -5,13 +5,14 @@ import math
 import pathlib
 import re
 import resource
+import struct
 import subprocess
 import time
 
 import program
 import tap
 from program import Folder, asdic, need_device
-from run_folder import png_texts
+from run_folder import npy, png_texts
 
 DATA = pathlib.Path(__file__).resolve().parents[2] / "data"
 COLUMNS = ["ping", "time_s", "beam", "bin", "range_m", "x_m", "y_m", "z_m", "level_db",
@@ -618,6 +619,24 @@ def test_many_attitudes_of_many_beams_are_simulated():
             found = asdic("detect", "out", "--json", "-f", *COARSE, cwd=folder.path).check(0)
             tap.equal("the background is simulated" in found.err, False, "a note, which only who waits reads")
             tap.equal(json.loads(found.out)["background"], background, f"{beams} beams, {turns} attitudes")
+
+
+def test_a_background_has_rays_of_its_own():
+    """Where no object is, the run's own would err as the run does, and thresholds allow for both errors."""
+    need_device()
+    with Folder() as folder:
+        folder.write("still.yaml", ROLLING.replace("BEAMS", "1").replace("track: rolling.csv", "pose: {position_m: [0, 0, 5]}")
+                     .replace("csv: none", "csv: none, npy: true"))
+        asdic("run", "still.yaml", "-o", "out", "-q", cwd=folder.path).check(0)
+        asdic("detect", "out", "-q", "--background", "simulated", cwd=folder.path).check(0)
+        out = pathlib.Path(folder.path) / "out"
+        levels = npy((out / "levels.npy").read_bytes())[1]
+        background = npy((out / "background.npy").read_bytes())[1][16:16 + len(levels)]
+        bins = len(levels) // 4
+        off = [a - b for a, b in zip(*(struct.unpack(f"<{bins}f", each) for each in (levels, background)))
+               if not math.isnan(a)]
+        tap.equal(sum(d != 0 for d in off) > 0.8 * len(off), True, f"{off} dB")
+        tap.equal(max(map(abs, off)) < 1.0, True, f"{off} dB")
 
 
 def test_a_background_may_be_quiet():

@@ -23,6 +23,9 @@
 #define MOST_TIMES 4.0
 #define MOST_TIMES_AT_REST 64.0
 #define MOST_RAYS ((uint32_t)1 << 23)
+/* Its rays are drawn by a seed of their own: where no object is, those of the run would err as the run does, and
+ * thresholds that allow for both errors would let too few false alarms through. */
+#define OTHER_SEED 0x9E3779B97F4A7C15u
 /* A bin that few rays reach may have missed its rare strong echoes, and then states too small an
  * error: variances are means over so many bins on either side. */
 #define NEIGHBOURS 4
@@ -59,6 +62,7 @@ struct asdic_backdrop {
     const asdic_detect_options *options;
     char *path;
     uint64_t key; /* of the run, its scene, and the number of rays */
+    uint64_t seed;
     uint32_t rays;
     size_t cells, pings, record_bytes, header_bytes;
     char header[ASDIC_NPY_HEADER_SIZE];
@@ -116,7 +120,7 @@ static uint64_t key_of(const asdic_backdrop *b) {
     int length = snprintf(
         text, sizeof text, "%d %s %s %s %zu+%zu %zu*%zu %u %d %d %llu %u %d %.17g %.17g",
         (int)b->kind, f->version, f->scene_hash, f->geometry_hash, f->first_ping, b->pings,
-        f->beams, f->bins, b->rays, (int)s->sampler, (int)s->multipath, (unsigned long long)s->seed,
+        f->beams, f->bins, b->rays, (int)s->sampler, (int)s->multipath, (unsigned long long)b->seed,
         s->left_out, (int)f->refraction, f->layer_from_m, f->layer_to_m);
     asdic_sha256_hex(text, (size_t)length, hex);
     hex[16] = 0;
@@ -207,6 +211,7 @@ static asdic_status simulate_on(asdic_backdrop *b, asdic_mission *mission, asdic
     mission->settings.sampling = facts->sampling;
     mission->settings.sampling.coherent = false;
     mission->settings.sampling.rays = b->rays;
+    mission->settings.sampling.seed = b->seed;
     mission->settings.sonar.speckle = ASDIC_SPECKLE_NONE;
     mission->settings.environment = b->run->settings.environment; /* rays bend as the run's */
     TRY(asdic_file_create(b->run->ctx, b->path, &b->part));
@@ -251,6 +256,7 @@ static asdic_status prepare(asdic_backdrop *b) {
     size_t arrays = kinds[b->kind].count + 1;
     b->pings = at_rest ? 1 : asdic_store_count(b->run->store);
     b->rays = rays_of(b->run, at_rest);
+    b->seed = facts->sampling.seed ^ OTHER_SEED;
     b->cells = facts->beams * facts->bins;
     b->record_bytes = sizeof(head) + arrays * b->cells * sizeof(float) + sizeof(uint32_t);
     b->read = SIZE_MAX;
