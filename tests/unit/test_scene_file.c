@@ -79,6 +79,8 @@ static void materials_have_names(void **state) {
                         "concrete, slope_rms: 0}}\n"
                         "  - {point: -42.3, position_m: [1, 2, 3]}\n"
                         "  - {sphere: {radius_m: 1}, position_m: [1, 2, 3], material: brass}\n"
+                        "  - {sphere: {radius_m: 1}, position_m: [1, 2, 3], material: gravel}\n"
+                        "  - {sphere: {radius_m: 1}, position_m: [1, 2, 3], material: cobble}\n"
                         "mission:");
     asdic_arena arena = {0};
     asdic_scene_file file;
@@ -91,9 +93,12 @@ static void materials_have_names(void **state) {
     asdic_material_describe(&material, words, sizeof words);
     assert_string_equal(words, "concrete");
     assert_close(asdic_material_get(&material, "slope_rms"), 0.0, 0);
-    material = asdic_scene_file_material(&objects[2], &rows);
-    asdic_material_describe(&material, words, sizeof words);
-    assert_string_equal(words, "brass"); /* a word alone */
+    static const char *const alone[] = {"brass", "gravel", "cobble"}; /* each another key's */
+    for (size_t k = 0; k < 3; k++) {
+        material = asdic_scene_file_material(&objects[2 + k], &rows);
+        asdic_material_describe(&material, words, sizeof words);
+        assert_string_equal(words, alone[k]);
+    }
     assert_non_null(objects[1].point.node);
     assert_close(objects[1].point.target_strength_db, -42.3, 0);
     asdic_context *ctx = NULL;

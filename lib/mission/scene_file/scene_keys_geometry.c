@@ -100,8 +100,10 @@ static const asdic_table point_table = {TABLE(point_keys, file_point),
                                         .scalar_key = "target_strength_db"};
 
 /* All its keys are those of laws. */
-const asdic_table asdic_material_table = {
-    .size = sizeof(file_material), .doc = "how a surface scatters", .scalar_key = "preset"};
+const asdic_table asdic_material_table = {.size = sizeof(file_material),
+                                          .doc = "how a surface scatters",
+                                          .scalar_key = "preset",
+                                          .scalar_is_any_word = true};
 
 #define OBJECT(member) AT(file_object, member)
 #define SHAPE (ASDIC_KEY_ONE_OF | ASDIC_KEY_OPTIONAL)

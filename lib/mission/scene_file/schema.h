@@ -71,7 +71,8 @@ typedef struct asdic_table {
     const asdic_key *keys;
     size_t key_count;
     size_t size; /* of the struct; its first member is `asdic_yaml_node *node`, NULL when absent */
-    const char *scalar_key;  /* a scalar in place of the map is the value of this key */
+    const char *scalar_key;  /* a scalar in place of the map is the value of this key ... */
+    bool scalar_is_any_word; /* ... or of the first that has such a word */
     const char *scalar_word; /* this word in place of the map sets the bool key of that name */
     const char *list_key;    /* a list in place of the map is the value of this key */
 } asdic_table;
@@ -94,6 +95,9 @@ typedef struct asdic_schema_reader {
 
 void asdic_schema_read_value(const asdic_schema_reader *reader, const asdic_key *key,
                              asdic_yaml_node *node, void *out);
+
+/* The word of KEY that NODE is, or NULL. */
+const asdic_word *asdic_schema_word(const asdic_key *key, const asdic_yaml_node *node);
 
 /* KEY's fallback as a node that no file holds; NULL when there is none or memory is short. */
 asdic_yaml_node *asdic_schema_fallback(const asdic_schema_reader *reader, const asdic_key *key);

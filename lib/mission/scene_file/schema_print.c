@@ -277,6 +277,17 @@ static void print_map(const asdic_table *table, asdic_text *text, int indent) {
     asdic_text_add(text, "}");
 }
 
+/* The words of other keys that may stand in the place of a map. */
+static void print_other_words(const asdic_table *table, asdic_text *text) {
+    for (size_t k = 0; table->scalar_is_any_word && k < table->key_count; k++) {
+        const asdic_key *key = &table->keys[k];
+        if (key->words && strcmp(key->name, table->scalar_key) != 0) {
+            asdic_text_add(text, "}, {");
+            print_words(key, text);
+        }
+    }
+}
+
 static const asdic_key *find_key(const asdic_table *table, const char *name) {
     const asdic_key *key = table->keys;
     while (strcmp(key->name, name) != 0) {
@@ -300,6 +311,7 @@ static void print_table(const asdic_table *table, asdic_text *text, int indent) 
     }
     asdic_text_add(text, "}, {");
     print_map(table, text, indent);
+    print_other_words(table, text);
     asdic_text_add(text, "}]");
 }
 

@@ -259,6 +259,16 @@ static asdic_yaml_node *wrap(const asdic_schema_reader *r, asdic_yaml_node *valu
     return map;
 }
 
+/* The key of TABLE whose value NODE is in place of a map. */
+static const char *key_of_scalar(const asdic_table *table, const asdic_yaml_node *node) {
+    for (size_t k = 0; table->scalar_is_any_word && k < table->key_count; k++) {
+        if (asdic_schema_word(&table->keys[k], node)) {
+            return table->keys[k].name;
+        }
+    }
+    return table->scalar_key;
+}
+
 /* A scalar or list where a map should be may stand for one of its keys: NODE as such a map, or
  * NULL. */
 static asdic_yaml_node *expand(const asdic_schema_reader *r, const asdic_table *table,
@@ -267,7 +277,7 @@ static asdic_yaml_node *expand(const asdic_schema_reader *r, const asdic_table *
         return table->list_key ? wrap(r, node, table->list_key) : NULL;
     }
     if (table->scalar_key && (node->length > 0 || node->quoted)) {
-        return wrap(r, node, table->scalar_key);
+        return wrap(r, node, key_of_scalar(table, node));
     }
     if (table->scalar_word && strcmp(node->text, table->scalar_word) == 0) {
         asdic_yaml_node yes = *node;

@@ -47,14 +47,13 @@ static void list_words(const asdic_key *key, asdic_text *text) {
     }
 }
 
-/* The word of KEY that NODE is, or NULL. */
-static const asdic_word *find_word(const asdic_key *key, const asdic_yaml_node *node) {
+const asdic_word *asdic_schema_word(const asdic_key *key, const asdic_yaml_node *node) {
     if (node->kind != ASDIC_YAML_SCALAR || strlen(node->text) != node->length) {
         return NULL;
     }
     /* YAML 1.1 reads a plain off as the boolean false, and so do its converters to JSON. */
     bool is_off = !node->quoted && strcmp(node->text, "false") == 0;
-    for (const asdic_word *word = key->words; word->name; word++) {
+    for (const asdic_word *word = key->words; word && word->name; word++) {
         if (strcmp(word->name, node->text) == 0 || (is_off && strcmp(word->name, "off") == 0)) {
             return word;
         }
@@ -92,7 +91,7 @@ static void report_no_word(const asdic_schema_reader *r, const asdic_key *key,
 /* The word of KEY that NODE is, or NULL after a report. */
 static const asdic_word *read_word(const asdic_schema_reader *r, const asdic_key *key,
                                    asdic_yaml_node *node) {
-    const asdic_word *word = find_word(key, node);
+    const asdic_word *word = asdic_schema_word(key, node);
     if (!word) {
         report_no_word(r, key, node);
     }
@@ -137,7 +136,7 @@ static void read_number(const asdic_schema_reader *r, const asdic_key *key, asdi
                         double *out) {
     char shown[192];
     double value = NAN;
-    const asdic_word *word = key->words ? find_word(key, node) : NULL;
+    const asdic_word *word = asdic_schema_word(key, node);
     if (word) {
         *out = word->value;
         return;
@@ -163,7 +162,7 @@ static void read_integer(const asdic_schema_reader *r, const asdic_key *key, asd
                          int64_t *out) {
     char shown[192];
     int64_t value = 0;
-    const asdic_word *word = key->words ? find_word(key, node) : NULL;
+    const asdic_word *word = asdic_schema_word(key, node);
     if (word) {
         *out = (int64_t)word->value;
         return;

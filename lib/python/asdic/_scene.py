@@ -15,14 +15,11 @@ from ._library import (ArgumentError, Context, FileError, Handle, doubles, encod
 Keys = Mapping[str, Any]
 SECTIONS = ("environment", "surface", "bottom", "sonar", "mission", "sampling", "model", "detector", "output")
 FILES = ("file", "grid", "mesh", "track", "curve", "sound_speed_profile")
-BOTTOMS = ("mud", "sand", "gravel", "rock")
 
 
 def _material(material: str | Keys) -> Any:
     """A word, or the keys of a scene file's material."""
-    if isinstance(material, str):
-        return {"type" if material in BOTTOMS else "preset": material}
-    return dict(material)
+    return material if isinstance(material, str) else dict(material)
 
 
 def _plain(value: Any) -> Any:
