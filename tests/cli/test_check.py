@@ -195,9 +195,10 @@ def test_every_object_is_described():
     head = """objects:
   - {name: frame, mesh: m.obj, position_m: [20, 0, 7]}
   - {name: c, box: {size_m: [1, 2, 3]}, position_m: [30, 0, 9], rotation_deg: [90, 0, 0]}
+  - {name: d, box: {size_m: [1.8642, 1.8642, 1.8642]}, position_m: [10.123, 3.4567, 9.87654]}
 """
     with folder(m_obj=open_mesh) as at:
-        for points in 38, 39:
+        for points in 37, 38:
             objects = head + "".join(point % i for i in range(points)) + "mission:"
             scene = MINIMAL.replace("{depth_m: 12}", "none").replace("mission:", objects)
             said = without_free_space(asdic("check", "-", stdin=scene, cwd=at).check(0).out)
@@ -208,10 +209,11 @@ def test_every_object_is_described():
               1 degenerate facets dropped
               3 open edges
   c           12 triangles, x 29.5 .. 30.5, y -1.5 .. 1.5, z 8 .. 10 m
-""" + "".join(f"  p{i:<10} a point at x 9, y -3, z 6 m\n" for i in range(38))
-                      + ("" if points == 38 else "  ...         1 more; --json lists all\n"))
+  d           12 triangles, x 9.191 .. 11.06, y 2.525 .. 4.389, z 8.944 .. 10.81 m
+""" + "".join(f"  p{i:<10} a point at x 9, y -3, z 6 m\n" for i in range(37))
+                      + ("" if points == 37 else "  ...         1 more; --json lists all\n"))
         [told] = json.loads(asdic("check", "-", "--json", stdin=scene, cwd=at).check(0).out)
-        tap.equal((told["bottom"], told["triangles"], len(told["meshes"])), ("none", 15, 41))
+        tap.equal((told["bottom"], told["triangles"], len(told["meshes"])), ("none", 27, 41))
         tap.equal([told["meshes"][0][key] for key in ("name", "triangles", "dropped_facets", "open_edges", "moves")],
                   ["frame", 3, 1, 3, False])
 
@@ -517,6 +519,27 @@ def test_sizes_are_told_in_units_that_fit():
             tap.equal(found["bytes"] >= pings * found["ping_bytes"], True, "all pings")
             tap.equal(found["fits"], found["bytes"] <= found["free_bytes"], f"{found}")
     tap.equal(seen, set(range(5)), "units")
+
+
+def test_pictures_count_in_the_size():
+    """A waterfall a beam, or one of all where beams are many; ping by ping pictures of the first and the last."""
+    def size(image, beams, pings):
+        text = MINIMAL.replace("pose:", f"pings: {pings}\n  pose:").replace(
+            "[{name: forward}, {name: port, yaw_deg: -20}]", f"{{fan: {{count: {beams}, sector_deg: 90}}}}")
+        output = f"output: {{csv: none, images: [{image}]}}\n"
+        [found] = json.loads(asdic("check", "--json", "-", stdin=text + output).check(code=0).out)
+        return found["output"]["bytes"]
+
+    def of(image, beams, pings):
+        return size(image, beams, pings) - size("", beams, pings)
+
+    one = of("waterfall", 1, 40)
+    tap.equal((one > 10000, of("waterfall", 3, 40), of("waterfall", 512, 40), of("waterfall", 3, 1)), (True, 3 * one, one, 0))
+    one = of("ascope", 3, 1)
+    tap.equal((one > 10000, of("ascope", 3, 40)), (True, 2 * one))
+    one = of("fan", 20, 1)
+    tap.equal((one > 10000, of("fan", 20, 40), of("fan", 1, 40)), (True, 2 * one, 0))
+    tap.equal((of("overview", 3, 40) > 10000, of("overview", 3, 1), of("plan", 3, 1) > 10000), (True, 0, True))
 
 
 tap.main(globals())

@@ -15,7 +15,7 @@ import program
 import tap
 from program import Folder, asdic
 from run_folder import data, facts, pictures, same, scene, png_texts
-from svg_layout import check_layout
+from svg_layout import check_layout, svg_marks
 
 SYSTEM_PYTHON = "/usr/bin/python3"  # Debian's, which has Debian's numpy
 
@@ -892,6 +892,21 @@ def test_rings_of_fans_lie_at_their_ranges():
         tap.equal(len(radii) > 2 and radii[0] > 300, True, f"the outermost, then the others: {radii}")
         metres = [radius * reach_m / radii[0] for radius in radii[1:]]
         tap.equal([m for k, m in enumerate(metres, 1) if abs(m - k * round(metres[0])) > 0.05], [], f"rings at {metres}")
+
+
+def test_an_overview_names_up_to_sixteen_beams():
+    """More of them have numbers on an axis."""
+    words = {}
+    for beams in 16, 17:
+        with Folder() as folder:
+            run = run_of(folder, pings=2, edits={
+                "fan]": "overview]", "    - {name: forward}\n    - {name: down, pitch_deg: 45}":
+                f"    fan: {{count: {beams}, sector_deg: 90}}"})
+            if "overview.png" not in pictures(folder, "r"):
+                raise tap.Skip("built without cairo")
+            svg = render_bytes(run, "--images", "overview", "--format", "svg").decode()
+            words[beams] = len(svg_marks(svg)[1])
+    tap.equal(words[16] >= words[17] + 8, True, f"{words} words")
 
 
 def test_vector_pictures():

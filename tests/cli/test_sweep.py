@@ -9,7 +9,7 @@ import subprocess
 import program
 import tap
 from program import Folder, asdic
-from run_folder import data, facts, pictures, png_texts, same
+from run_folder import data, facts, pictures, png_rows, png_texts, same
 
 SCENE = """
 version: 1
@@ -128,6 +128,22 @@ def test_pictures_are_of_turns():
             content = data(folder, ".", "p.png")
             after.append(content[content.index(b"IDAT"):])
         tap.equal(after[0] != after[1], True, "the head's first ping shows where it looks")
+
+
+def test_a_sector_stays_whole_on_the_way_back():
+    """Of six directions the first was heard nine pings ago."""
+    program.need_device()
+    with Folder() as folder:
+        path = scene(folder, "scan.yaml", SECTOR.replace("60", "75"), pings=", pings: 10")
+        asdic("run", path, "-o", folder / "r").check(code=0)
+
+        def empty(ping):
+            asdic("render", folder / "r", "--images", "fan", "--ping", str(ping), "-o", folder / "p.png", "--force").check(code=0)
+            rows = png_rows(data(folder, ".", "p.png"))
+            return sum(row.count(rows[0][:3]) for row in rows)
+
+        there, half, back = empty(5), empty(3), empty(9)
+        tap.equal((half > 1.1 * there, abs(back / there - 1) < 0.02), (True, True), f"{there}, {half}, {back} pixels")
 
 
 def test_the_plan_is_of_a_turn():

@@ -9,11 +9,11 @@ import shutil
 import struct
 import subprocess
 import time
-import zlib
 
 import program
 import tap
 from program import Folder, asdic
+from run_folder import png_rows
 
 SCENES = os.path.join(os.path.dirname(__file__), "..", "..", "data", "scenes")
 SCENE = """version: 1
@@ -64,40 +64,6 @@ def need_view():
     done.check(code=0)
 
 
-def read_png(data):
-    """Rows of (r, g, b), of the kind of PNG that asdic and ffmpeg write."""
-    at, packed, size = 8, b"", None
-    while at < len(data):
-        length, kind = struct.unpack_from(">I4s", data, at)
-        if kind == b"IHDR":
-            size = struct.unpack_from(">IIBB", data, at + 8)
-        if kind == b"IDAT":
-            packed += data[at + 8:at + 8 + length]
-        at += 12 + length
-    width, height, depth, colour = size
-    tap.equal((depth, colour), (8, 2), "8-bit RGB")
-    raw, rows, before, at = zlib.decompress(packed), [], bytes(3 * width), 0
-    for _ in range(height):
-        kind, line = raw[at], bytearray(raw[at + 1:at + 1 + 3 * width])
-        at += 1 + 3 * width
-        for i in range(3 * width if kind else 0):
-            left = line[i - 3] if i >= 3 else 0
-            up, corner = before[i], before[i - 3] if i >= 3 else 0
-            if kind == 1:
-                line[i] = (line[i] + left) & 255
-            elif kind == 2:
-                line[i] = (line[i] + up) & 255
-            elif kind == 3:
-                line[i] = (line[i] + (left + up) // 2) & 255
-            elif kind == 4:
-                p = left + up - corner
-                best = min((abs(p - left), 0, left), (abs(p - up), 1, up), (abs(p - corner), 2, corner))
-                line[i] = (line[i] + best[2]) & 255
-        rows.append(bytes(line))
-        before = bytes(line)
-    return rows
-
-
 def colours(rows, x0, x1, y0, y1):
     """Different colours within a part of a picture; places are shares of its sides."""
     height, width = len(rows), len(rows[0]) // 3
@@ -135,7 +101,7 @@ def test_snapshots_are_pictures_of_everything():
         tap.equal(sorted(os.listdir(folder / "v")), ["view_19.png", "view_39.png"])
         with open(folder / "v/view_39.png", "rb") as file:
             data = file.read()
-        check_frame(read_png(data), (960, 540))
+        check_frame(png_rows(data), (960, 540))
         view(scene, "--snapshot", "1", "--pings", "40", "-o", folder / "v", code=1)  # exists
         view(scene, "--snapshot", "1", "--pings", "40", "--size", "960x540", "-o", folder / "v", "--force")
         with open(folder / "v/view_39.png", "rb") as file:
@@ -188,7 +154,7 @@ def test_few_rays_make_a_fan_of_coarser_bins_not_of_dashes():
             view(os.path.join(SCENES, "sonar_m750d.yaml"), "--snapshot", "1", "--pings", "1", "--rays", rays,
                  "--db-range", "60:130", "--colormap", "gray", "-o", folder / str(rays))
             with open(folder / f"{rays}/view_0.png", "rb") as file:
-                fans.append(read_png(file.read()))
+                fans.append(png_rows(file.read()))
         # Bare sand to starboard of the box and the pile, 15 to 40 m away.
         few, many = ([row[3 * x] for row in fan[200:320] for x in range(340, 440)] for fan in fans)
         off = (sum((a - b) ** 2 for a, b in zip(few, many)) / len(many)) ** 0.5 * 70 / 255
@@ -209,7 +175,7 @@ def test_a_scan_is_renewed_turn_by_turn():
         frames = []
         for ping in (19, 39):
             with open(folder / f"rec/view_{ping}.png", "rb") as file:
-                frames.append(read_png(file.read()))
+                frames.append(png_rows(file.read()))
         port, starboard = (0.14, 0.20, 0.2, 0.45), (0.26, 0.31, 0.2, 0.45)
         seen = [[commonest(frame, *side) < 0.3 for side in (port, starboard)] for frame in frames]
         tap.equal(seen, [[True, False], [True, True]], "sides that the picture shows")
@@ -236,9 +202,9 @@ def test_video_is_read_by_ffmpeg():
         tap.equal(len(frames), 12, "frames")
         view(scene, "--snapshot", "1", "--pings", "12", "--size", "640x360", "-o", folder / "v")
         with open(folder / frames[-1], "rb") as file:
-            rows = read_png(file.read())
+            rows = png_rows(file.read())
         with open(folder / "v/view_11.png", "rb") as file:
-            same = read_png(file.read())
+            same = png_rows(file.read())
         # The video holds what the picture holds, up to the rounding of colours.
         worst = max(abs(a - b) for x, y in zip(rows, same) for a, b in zip(x, y))
         tap.equal(worst <= 4, True, f"differs by {worst}")
@@ -384,7 +350,7 @@ class Display:
         subprocess.run(["ffmpeg", "-v", "error", "-y", "-f", "x11grab", "-video_size", "1000x600", "-i",
                         self.name, "-frames:v", "1", "-pix_fmt", "rgb24", path], check=True)
         with open(path, "rb") as file:
-            return read_png(file.read())
+            return png_rows(file.read())
 
 
 def wait_for(what, answer, seconds=60):

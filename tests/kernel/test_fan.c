@@ -206,6 +206,21 @@ static void rays_for_beams_apart_suffice(void **state) {
     rig_destroy(&r);
 }
 
+/* As loud behind as ahead: rays have a window on either side. */
+static void echoes_from_behind_are_heard(void **state) {
+    (void)state;
+    static const fan_case fan = {24, 60, 100, 8.3, 1.3, 1.1, 1.3, -5, 4, 0, false, 300000};
+    ping_rig r = rig_of(&fan);
+    r.sonar.rear_floor_db = 0.0;
+    asdic_ping *ping = shoot(&r, true);
+    difference d = compare(&r, ping);
+    print_message("as loud behind: RMS %.4f dB, over stated %.2f, mean %.4f dB\n", d.rms_db,
+                  d.over_stated, d.mean_db);
+    assert_true(d.rms_db < 0.3 && d.mean_db < 0.6 && d.over_stated > 0.7 && d.over_stated < 1.35);
+    asdic_ping_destroy(&ping);
+    rig_destroy(&r);
+}
+
 static void errors_fall_as_rays_grow(void **state) {
     (void)state;
     double rms_db[2];
@@ -412,6 +427,7 @@ int main(void) {
         cmocka_unit_test(fans_meet_the_quadrature),
         cmocka_unit_test(a_transmitter_beside_the_fan_is_heard),
         cmocka_unit_test(rays_for_beams_apart_suffice),
+        cmocka_unit_test(echoes_from_behind_are_heard),
         cmocka_unit_test(errors_fall_as_rays_grow),
         cmocka_unit_test(any_receivers_meet_the_quadrature),
         cmocka_unit_test(faces_leak_backwards),

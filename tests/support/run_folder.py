@@ -93,3 +93,37 @@ def png_texts(content):
             texts[key.decode()] = rest[2:].split(b"\0", 2)[2].decode()
         at += 12 + length
     return texts
+
+
+def png_rows(data):
+    """Rows of (r, g, b), of the kind of PNG that asdic and ffmpeg write."""
+    at, packed, size = 8, b"", None
+    while at < len(data):
+        length, kind = struct.unpack_from(">I4s", data, at)
+        if kind == b"IHDR":
+            size = struct.unpack_from(">IIBB", data, at + 8)
+        if kind == b"IDAT":
+            packed += data[at + 8:at + 8 + length]
+        at += 12 + length
+    width, height, depth, colour = size
+    tap.equal((depth, colour), (8, 2), "8-bit RGB")
+    raw, rows, before, at = zlib.decompress(packed), [], bytes(3 * width), 0
+    for _ in range(height):
+        kind, line = raw[at], bytearray(raw[at + 1:at + 1 + 3 * width])
+        at += 1 + 3 * width
+        for i in range(3 * width if kind else 0):
+            left = line[i - 3] if i >= 3 else 0
+            up, corner = before[i], before[i - 3] if i >= 3 else 0
+            if kind == 1:
+                line[i] = (line[i] + left) & 255
+            elif kind == 2:
+                line[i] = (line[i] + up) & 255
+            elif kind == 3:
+                line[i] = (line[i] + (left + up) // 2) & 255
+            elif kind == 4:
+                p = left + up - corner
+                best = min((abs(p - left), 0, left), (abs(p - up), 1, up), (abs(p - corner), 2, corner))
+                line[i] = (line[i] + best[2]) & 255
+        rows.append(bytes(line))
+        before = bytes(line)
+    return rows

@@ -207,6 +207,35 @@ static void strengths_are_averaged(void **state) {
     asdic_occupancy_destroy(&r.map);
 }
 
+/* Where nothing is known of a beam's background nothing is said of what it alone hears, there alone. */
+static void an_unknown_background_says_nothing(void **state) {
+    (void)state;
+    map_rig r;
+    asdic_evidence seen = {0};
+    map_begin(&r, 2);
+    r.beams[1].yaw_rad = 40.0 * DEGREE;
+    r.background[30] = NAN;
+    r.background[31] = 0.0;
+    r.background[MAP_BINS + 50] = NAN;
+    const asdic_look look = look_of(&r);
+    assert_ok(ctx, asdic_evidence_create(ctx, &look, &seen));
+    size_t heard[2] = {0};
+    for (size_t k = 0; k < seen.azimuths; k++) {
+        const asdic_heading *h = &seen.headings[k];
+        if (h->hearing_count == 1) {
+            size_t beam = seen.hearings[h->hearing].beam;
+            const double *ratio = seen.ratio + k * MAP_BINS;
+            for (size_t n = 0; n < MAP_BINS; n++) {
+                assert_true(!isnan(ratio[n]) == (r.background[beam * MAP_BINS + n] > 0.0));
+            }
+            heard[beam]++;
+        }
+    }
+    assert_true(heard[0] > 2 && heard[1] > 2);
+    asdic_evidence_finish(&seen);
+    asdic_occupancy_destroy(&r.map);
+}
+
 /* K speckle of a shape so large that it is all but Rayleigh's says what that says, by its tables of strengths; of a
  * small one, in which high values are common without an object, an echo says less. */
 static void k_speckle_is_weighed_by_its_shape(void **state) {
@@ -256,6 +285,7 @@ int main(void) {
         cmocka_unit_test(beams_are_asked_within_their_range),
         cmocka_unit_test(a_beam_in_a_null_is_no_better_than_others),
         cmocka_unit_test(strengths_are_averaged),
+        cmocka_unit_test(an_unknown_background_says_nothing),
         cmocka_unit_test(k_speckle_is_weighed_by_its_shape),
     };
     return cmocka_run_group_tests(tests, context_begin, context_end);
