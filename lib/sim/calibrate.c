@@ -44,9 +44,7 @@
  * alike: together they tell less than as many independent ones. */
 #define TYPICAL_WEIGHT 6.0
 #define TYPICAL_SAMPLES 128
-/* Bins of a first echo: the first in which a beam hears the bottom, or the surface, and the next. Their errors are
- * not those of the bins behind, by this ratio as measured, which counts as TYPICAL_WEIGHT bins. */
-#define FIRST_BINS 2
+/* Variances of ASDIC_FIRST_BINS over those of the bins behind, as measured; counts as TYPICAL_WEIGHT bins. */
 #define FIRST_RATIO 2.3
 /* A cell's ratio is cut to this: else a few rare bright rays would rule the window. */
 #define MOST_RATIO 20.0
@@ -84,7 +82,7 @@ typedef struct alike {
 } alike;
 
 /* What a cell's error is like. */
-typedef enum kind { OF_OBJECTS, OF_FIRST_ECHO, OF_THE_REST } kind;
+typedef enum error_kind { OF_OBJECTS, OF_FIRST_ECHO, OF_THE_REST } error_kind;
 
 /* What the calibration's pings gave, per cell. The memory is kept from block to block: for many beams and
  * bins it is a hundred megabytes, which take longer to allocate than to fill. */
@@ -97,8 +95,10 @@ typedef struct asdic_calibration {
     float *objects, *water;         /* of the mean, what came off objects, off water */
     asdic_ping *pings[PINGS_ALONE]; /* the latest; as many as go to the device together */
     double *row;                    /* scratch, 4 (bins + 1) */
-    size_t *first_bin[2]; /* of each receiver, where it first hears the bottom, and the surface */
-    alike *alike;         /* of each receiver where they are many, else NULL */
+    size_t
+        *first_bin[ASDIC_BOUNDARIES]; /* of each receiver, where it first hears the bottom, ... */
+    size_t *sharp_bin[ASDIC_BOUNDARIES]; /* the same before the pulse's length */
+    alike *alike;                        /* of each receiver where they are many, else NULL */
 } calibration;
 
 /* The relative variance of one ping, from how the calibration's pings differ in a cell; negative: the cell
@@ -123,16 +123,19 @@ static double cell_ratio(const calibration *c, size_t cell) {
 }
 
 static bool is_of_first_echo(const calibration *c, size_t beam, size_t bin) {
-    size_t bottom = c->first_bin[0][beam], surface = c->first_bin[1][beam];
-    return (bin >= bottom && bin - bottom < FIRST_BINS) ||
-           (bin >= surface && bin - surface < FIRST_BINS);
+    bool is_of = false;
+    for (size_t k = 0; k < ASDIC_BOUNDARIES; k++) {
+        size_t first = c->first_bin[k][beam];
+        is_of = is_of || (bin >= first && bin - first < ASDIC_FIRST_BINS);
+    }
+    return is_of;
 }
 
 static bool is_ruled_by_water(const calibration *c, size_t cell) {
     return c->water[cell] > 0.5 * c->mean[cell];
 }
 
-static kind kind_of(const asdic_simulator *sim, const calibration *c, size_t cell) {
+static error_kind kind_of(const asdic_simulator *sim, const calibration *c, size_t cell) {
     if (c->objects[cell] > 0.5 * c->mean[cell]) {
         return OF_OBJECTS;
     }
@@ -142,7 +145,7 @@ static kind kind_of(const asdic_simulator *sim, const calibration *c, size_t cel
 }
 
 /* The ratio of a cell of KIND; negative: it is of another, or empty. */
-static double ratio_among(const asdic_simulator *sim, const calibration *c, kind kind,
+static double ratio_among(const asdic_simulator *sim, const calibration *c, error_kind kind,
                           size_t cell) {
     return kind_of(sim, c, cell) == kind ? cell_ratio(c, cell) : -1.0;
 }
@@ -258,7 +261,7 @@ static double water_variance(const asdic_simulator *sim, size_t first, double ra
 }
 
 /* The bins of a beam that are of KIND; of the WATER's variance each has its share. */
-static void calibrate_bins(asdic_simulator *sim, size_t first, kind kind, double typical,
+static void calibrate_bins(asdic_simulator *sim, size_t first, error_kind kind, double typical,
                            double water, const calibration *c) {
     size_t bins = sim->setup.bins;
     double *values = c->row, *sums = values + bins + 1, *counts = sums + bins + 1;
@@ -335,8 +338,9 @@ static uint32_t find_alike(const asdic_sonar *sonar, alike *out) {
 /* The mean relative variance of beam B's bins round bin N, of those that hold anything; negative: none does. A first
  * echo's bin has its own alone. */
 static double beam_variance(const asdic_simulator *sim, size_t b, size_t n, const calibration *c) {
-    size_t bins = sim->setup.bins, reach = is_alone(&c->alike[b]) ? BIN_WINDOW_ALONE : BIN_WINDOW;
-    reach = is_of_first_echo(c, b, n) ? 0 : reach;
+    size_t bins = sim->setup.bins, reach = is_of_first_echo(c, b, n) ? 0
+                                           : is_alone(&c->alike[b])  ? BIN_WINDOW_ALONE
+                                                                     : BIN_WINDOW;
     size_t from = n > reach ? n - reach : 0, to = n + reach < bins ? n + reach : bins - 1;
     double variance[2 * BIN_WINDOW_ALONE + 1], known = 0.0, mean = 0.0;
     for (size_t k = from; k <= to; k++) {
@@ -389,17 +393,22 @@ static void take_ping(const asdic_simulator *sim, const asdic_ping *ping, uint32
     }
 }
 
-/* Where each receiver first hears the bottom, and the surface, in any ping. */
-static void take_first_bins(const asdic_simulator *sim, const asdic_ping *ping, calibration *c) {
-    const asdic_component boundaries[] = {ASDIC_BOTTOM, ASDIC_SURFACE};
-    for (size_t k = 0; k < 2; k++) {
-        const double *energy = ping->intensity_lin[boundaries[k]];
+/* Where each receiver FIRST hears the bottom, and the surface, in any ping. */
+static void take_first_bins(const asdic_simulator *sim, const asdic_ping *ping,
+                            size_t *const *first) {
+    for (size_t k = 0; k < ASDIC_BOUNDARIES; k++) {
+        const double *energy = ping->intensity_lin[asdic_boundaries[k]];
         for (size_t b = 0; b < sim->setup.sonar.receiver_count; b++) {
-            size_t n = 0, *first = &c->first_bin[k][b];
-            while (n < *first && !(energy[b * sim->setup.bins + n] > 0.0)) {
-                n++;
-            }
-            *first = n;
+            first[k][b] = asdic_first_bin(energy + b * sim->setup.bins, first[k][b]);
+        }
+    }
+}
+
+/* Before the first of them. */
+static void forget_first_bins(const asdic_simulator *sim, calibration *c) {
+    for (size_t b = 0; b < sim->setup.sonar.receiver_count; b++) {
+        for (size_t k = 0; k < ASDIC_BOUNDARIES; k++) {
+            c->first_bin[k][b] = c->sharp_bin[k][b] = sim->setup.bins;
         }
     }
 }
@@ -426,9 +435,7 @@ static asdic_status run_pings(asdic_simulator *sim, const asdic_pose *pose, uint
         memset(c->objects, 0, sim->setup.cells * sizeof *c->objects);
         memset(c->water, 0, sim->setup.cells * sizeof *c->water);
     }
-    for (size_t b = 0; b < sim->setup.sonar.receiver_count; b++) {
-        c->first_bin[0][b] = c->first_bin[1][b] = sim->setup.bins;
-    }
+    forget_first_bins(sim, c);
     for (uint32_t k = 0; k < c->count;) {
         uint32_t left = c->count - k;
         uint32_t together = sim->setup.ping_batch < left ? (uint32_t)sim->setup.ping_batch : left;
@@ -441,10 +448,11 @@ static asdic_status run_pings(asdic_simulator *sim, const asdic_pose *pose, uint
             if (!sim->fan.many) {
                 take_mean(sim, c->pings[i], c);
             }
+            take_first_bins(sim, c->pings[i], c->sharp_bin);
             asdic_pulse_smear(&sim->setup.sonar, sim->shots[i].water.sound_speed_mps,
                               sim->setup.threads, sim->host.scratch, c->pings[i]);
             take_ping(sim, c->pings[i], k, c);
-            take_first_bins(sim, c->pings[i], c);
+            take_first_bins(sim, c->pings[i], c->first_bin);
         }
     }
     return ASDIC_OK;
@@ -469,9 +477,11 @@ static asdic_status allocate(const asdic_simulator *sim, calibration *c) {
             (c->rare = malloc(cells * sizeof *c->rare)) &&
             (c->objects = malloc(cells * sizeof *c->objects)) &&
             (c->water = malloc(cells * sizeof *c->water)) &&
-            (c->row = malloc(4 * (longest + 1) * sizeof *c->row)) &&
-            (c->first_bin[0] = malloc(beams * sizeof *c->first_bin[0])) &&
-            (c->first_bin[1] = malloc(beams * sizeof *c->first_bin[1]));
+            (c->row = malloc(4 * (longest + 1) * sizeof *c->row));
+    for (size_t k = 0; k < ASDIC_BOUNDARIES; k++) {
+        whole = whole && (c->first_bin[k] = malloc(beams * sizeof *c->first_bin[k])) &&
+                (c->sharp_bin[k] = malloc(beams * sizeof *c->sharp_bin[k]));
+    }
     if (!whole) {
         return asdic_fail_memory(sim->ctx, "a calibration");
     }
@@ -507,11 +517,18 @@ void asdic_calibration_destroy(asdic_calibration **c) {
         free((*c)->water);
         free((*c)->row);
         free((*c)->alike);
-        free((*c)->first_bin[0]);
-        free((*c)->first_bin[1]);
+        for (size_t k = 0; k < ASDIC_BOUNDARIES; k++) {
+            free((*c)->first_bin[k]);
+            free((*c)->sharp_bin[k]);
+        }
         free(*c);
         *c = NULL;
     }
+}
+
+size_t asdic_calibration_first_bin(const asdic_simulator *sim, size_t boundary, size_t beam) {
+    const calibration *c = sim->learnt.calibration;
+    return c ? c->sharp_bin[boundary][beam] : SIZE_MAX;
 }
 
 asdic_status asdic_simulator_calibrate(asdic_simulator *sim, const asdic_pose *pose,

@@ -92,6 +92,16 @@ WIDEST static void end_cells(const double *restrict echo, double noise_lin,
     }
 }
 
+const asdic_component asdic_boundaries[ASDIC_BOUNDARIES] = {ASDIC_BOTTOM, ASDIC_SURFACE};
+
+size_t asdic_first_bin(const double *energy, size_t bins) {
+    size_t n = 0;
+    while (n < bins && !(energy[n] > 0.0)) {
+        n++;
+    }
+    return n;
+}
+
 /* The cells of a beam are worked on in blocks that stay in the nearest cache. */
 #define BLOCK 256
 
@@ -117,6 +127,28 @@ static void end_block(const double *echo, double noise_lin, const float *error, 
     const double to_db = 10.0 / log(10.0);
     end_cells(echo, noise_lin, error, to_db, count, out->intensity_lin[ASDIC_NOISE] + at,
               out->intensity_lin[ASDIC_TOTAL] + at, out->stderr_db + at);
+}
+
+/* First echoes of bottom and surface err as first echoes did when the simulator learnt, wherever they came then: as the
+ * vehicle comes nearer to either they move to other bins, with cells of few rays. SPREAD: of the beam's bins, or NULL. */
+static void restate_first_echoes(const conversion *k, size_t beam, const float *spread) {
+    const asdic_setup *setup = &k->sim->setup;
+    size_t bins = setup->bins, at = beam * bins;
+    const double to_db = 10.0 / log(10.0), *total = k->out->intensity_lin[ASDIC_TOTAL] + at;
+    const double *noise = k->out->intensity_lin[ASDIC_NOISE] + at;
+    for (size_t b = 0; b < ASDIC_BOUNDARIES; b++) {
+        size_t then = asdic_calibration_first_bin(k->sim, b, beam);
+        const double *heard = k->out->intensity_lin[asdic_boundaries[b]] + at;
+        size_t now = then < bins ? asdic_first_bin(heard, bins) : then;
+        size_t end = now == then ? now : now + ASDIC_FIRST_BINS;
+        for (; now < end && now < bins && then < bins; now++, then++) {
+            double echo = total[now] - noise[now];
+            float own = spread ? spread[now] : 0.0f, error = 0.0f;
+            float *stated = k->out->stderr_db + at + now;
+            estimate_errors(&k->sim->learnt.stated[at + then], &own, &echo, 1, &error);
+            *stated = fmaxf(*stated, (float)(to_db * (double)error * echo / total[now]));
+        }
+    }
 }
 
 /* Quanta to energies of one beam. */
@@ -151,6 +183,9 @@ static void convert_beam(const conversion *k, unsigned worker, size_t beam) {
             }
         }
         end_block(echo, noise_lin, error, at, count, k->out);
+    }
+    if (!sim->setup.sampling.without_errors) {
+        restate_first_echoes(k, beam, spread + first);
     }
 }
 
@@ -254,6 +289,9 @@ static void convert_fan_beam(const conversion *k, unsigned worker, size_t beam) 
             estimate_errors(stated, none, echo, count, error);
         }
         end_block(echo, noise_lin, error, at, count, k->out);
+    }
+    if (!sim->setup.sampling.without_errors) {
+        restate_first_echoes(k, beam, NULL);
     }
 }
 

@@ -353,6 +353,17 @@ asdic_status asdic_simulator_calibrate(asdic_simulator *sim, const asdic_pose *p
 
 void asdic_calibration_destroy(asdic_calibration **calibration);
 
+/* Of a beam the first bins with an echo of the bottom, and those of the surface, err unlike those behind. */
+#define ASDIC_BOUNDARIES 2
+#define ASDIC_FIRST_BINS 2
+extern const asdic_component asdic_boundaries[ASDIC_BOUNDARIES];
+
+/* The first of a beam's BINS that holds ENERGY; BINS: none does. */
+size_t asdic_first_bin(const double *energy, size_t bins);
+
+/* Where BEAM first heard BOUNDARY when the simulator learnt, before the pulse's length; beyond all bins: nowhere. */
+size_t asdic_calibration_first_bin(const asdic_simulator *sim, size_t boundary, size_t beam);
+
 /* Back to an even table and no calibration. */
 void asdic_simulator_forget(asdic_simulator *sim);
 

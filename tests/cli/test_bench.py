@@ -100,10 +100,10 @@ def numbers(row):
 def test_error_keeps_its_goals():
     program.need_device()
     with Folder() as folder, open(os.path.join(SCENES, "bench_flat.yaml"), encoding="utf-8") as scene:
-        # Sinking so slowly that nothing shows it, but that each ping has its own place: runs of one place take quadratures.
-        folder.write("sink.csv", "time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n0,0,0,7,0,0,0\n12.75,0,0,7.0001,0.001,0,0\n")
+        # Rising so slowly that nothing shows it, but that each ping has its own place: runs of one place take quadratures.
+        folder.write("rise.csv", "time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n0,0,0,7,0,0,0\n12.75,0,0,6.9999,0.001,0,0\n")
         path = folder.write('flat, "1".yaml', scene.read().replace("pose: {position_m: [0, 0, 7]}\n  pings: 1",
-                                                                   "track: sink.csv"))
+                                                                   "track: rise.csv"))
         done = asdic("bench", "error", "--quick", "-o", folder / "error.csv", path).check(code=0)
         rows = [numbers(row) for row in csv.DictReader(io.StringIO(folder.read("error.csv")))]
         tap.equal({(r["scene"], r["beams"], r["bins"], r["reference"]) for r in rows},
@@ -124,7 +124,7 @@ def test_error_keeps_its_goals():
         check_what_follows_from_points(curves)
         check_bias(curves["beam"])
         check_words(done.out, {name: points[0] for name, points in curves.items() if points[0]["rays_for_1db"] > 0})
-        tap.equal(folder.names(), ["error.csv", 'flat, "1".yaml', "run", "sink.csv"], "nothing left over")
+        tap.equal(folder.names(), ["error.csv", 'flat, "1".yaml', "rise.csv", "run"], "nothing left over")
 
 
 BALL = """version: 1

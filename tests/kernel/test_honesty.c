@@ -109,6 +109,9 @@ static asdic_ping *truth_of(honesty_rig *r, uint32_t rays) {
     size_t cells = truth->beams * truth->bins;
     if (asdic_scene_get_info(asdic_mission_scene(r->mission)).triangles == 0) {
         asdic_flat_scene flat = asdic_mission_flat_scene(r->mission, 0);
+        double deeper_m = r->pose.position_m.z - flat.depth_m;
+        flat.depth_m += deeper_m;
+        flat.altitude_m -= deeper_m;
         assert_ok(t.ctx, asdic_expected_compute(t.ctx, &flat, asdic_mission_environment(r->mission),
                                                 &r->sonar, &r->pose, truth));
     } else {
@@ -531,22 +534,27 @@ static void first_echoes(void **state) {
         "  receivers: {fan: {count: %zu, sector_deg: 60, length_h_m: 0.05, length_v_m: 0.015}}\n"
         "mission: {pose: {position_m: [0, 0, %g], roll_deg: 5}, pings: 1}\n";
     static const double depths_m[] = {9.0, 12.1, 14.2};
-    static const size_t beams[] = {3, 24};
-    for (size_t k = 0; k < 2; k++) {
+    static const struct {
+        size_t beams;
+        double deeper_m; /* than where the block was learnt */
+    } cases[] = {{3, 0.0}, {24, 0.0}, {3, 0.4}, {24, 0.4}};
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         honesty_sum sums[2] = {{0}};
         for (size_t i = 0; i < 3; i++) {
             char whole[sizeof text + 64];
-            snprintf(whole, sizeof whole, text, depths_m[i], beams[k], 0.45 * depths_m[i]);
+            snprintf(whole, sizeof whole, text, depths_m[i], cases[k].beams, 0.45 * depths_m[i]);
             asdic_mission *mission = NULL;
             asdic_scene_text scene = {.text = whole, .length = strlen(whole), .name = "first.yaml"};
             assert_ok(t.ctx, asdic_mission_load_text(t.ctx, &scene, &mission));
             honesty_rig r = rig_of(mission);
+            r.pose.position_m.z += cases[k].deeper_m;
             add_errors(&r, 20000, 8, add_first, sums);
             rig_close(&r);
         }
         print_message(
-            "%2zu beams, bins of first echoes: true over stated %.2f of %.0f, rest %.2f\n",
-            beams[k], rms_of(sums[1]), sums[1].count, rms_of(sums[0]));
+            "%2zu beams, %g m deeper, bins of first echoes: true over stated %.2f of %.0f, "
+            "rest %.2f\n",
+            cases[k].beams, cases[k].deeper_m, rms_of(sums[1]), sums[1].count, rms_of(sums[0]));
         assert_true(rms_of(sums[1]) > 0.7 && rms_of(sums[1]) < 1.3);
         assert_true(rms_of(sums[0]) > 0.7 && rms_of(sums[0]) < 1.3);
     }
