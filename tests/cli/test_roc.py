@@ -124,9 +124,11 @@ def test_a_point_has_its_strength():
     hears it better."""
     need_device()
     with Folder() as folder:
-        for yaw_deg, z_m, beams in (30, 11.5, ["any"]), (135, 7, ["any", "aside"]), (250, 2.5, ["any"]):
+        for yaw_deg, pitch_deg, z_m, beams in ((30, 0, 11.5, ["any"]), (135, 0, 7, ["any", "aside"]), (250, 0, 2.5, ["any"]),
+                                               (80, -45, 27, ["any"])):
             yaw, flat_m = math.radians(yaw_deg), math.sqrt(28.25**2 - (z_m - 7) ** 2)
-            scene = SEDIMENT.replace("0, 7]", f"0, 7], yaw_deg: {yaw_deg}").replace(
+            scene = SEDIMENT.replace("0, 7]", f"0, 7], yaw_deg: {yaw_deg}, pitch_deg: {pitch_deg}").replace(
+                "depth_m: 12", f"depth_m: {max(12, z_m + 5)}").replace(
                 "{name: forward}", "{name: aside, yaw_deg: 40}, {name: ahead}")
             folder.write("s.yaml", f"""{scene}objects:
   - {{name: buoy, point: -5, position_m: [{flat_m * math.cos(yaw)}, {flat_m * math.sin(yaw)}, {z_m}]}}
