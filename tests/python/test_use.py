@@ -388,6 +388,8 @@ def test_memory_used_again():
     sonar = asdic.Simulator(pool())
     first = sonar.ping(0, 0, 5)
     levels, energy = first.level_db, first.intensity["total"]
+    for several in first.intensity, first.parts:
+        raises(TypeError, "take one by its name", np.log10, several)
     second = sonar.ping(3, 0, 5, yaw=20, out=first)
     tap.equal((second is first, second.index, np.array_equal(levels, second.level_db)), (True, 1, False), "out")
     tap.equal(energy.ctypes.data, second.intensity["total"].ctypes.data, "memory")

@@ -43,6 +43,9 @@ class Levels(Mapping[str, np.ndarray]):
     def __len__(self) -> int:
         return len(self._names)
 
+    def __array__(self, *_: Any, **__: Any) -> Any:
+        raise TypeError(f"these are several arrays; take one by its name, of {', '.join(self._names)}")
+
     def __repr__(self) -> str:
         return f"<levels of {', '.join(self._names)}>"
 
