@@ -143,6 +143,9 @@ def test_scene_of_a_file():
         path = os.path.join(scenes, name)
         if name.endswith(".yaml"):
             tap.equal(asdic.plan(asdic.Scene.open(path)).terms, asdic.plan(path).terms, name)
+    ball = {"name": "ball", "sphere": {"radius_m": 1}, "position_m": [20, 0, 6], "material": {"impedance_mrayl": 45}}
+    listed = asdic.Scene(**{name: getattr(pool(), name) for name in ("bottom", "sonar", "mission")}, objects=[ball])
+    tap.equal(listed.objects, pool().objects, "objects as a list")
     scene = asdic.Scene.open(os.path.join(scenes, "scenario2.yaml"))
     one = asdic.simulate(os.path.join(scenes, "scenario2.yaml"), rays=2000)
     same(asdic.simulate(scene, rays=2000).level_db, one.level_db, "levels")

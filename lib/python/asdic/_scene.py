@@ -4,7 +4,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-from typing import Any, Container, Mapping, Sequence, Union
+from typing import Any, Container, Iterable, Mapping, Sequence, Union
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -89,11 +89,11 @@ class Scene:
     def __init__(self, *, environment: Keys | None = None, surface: Keys | None = None,
                  bottom: Keys | str | None = None, sonar: Keys | None = None, mission: Keys | None = None,
                  sampling: Keys | None = None, model: Keys | None = None, detector: Keys | None = None,
-                 output: Keys | None = None) -> None:
+                 output: Keys | None = None, objects: Iterable[Keys] = ()) -> None:
         self.environment, self.surface, self.bottom = environment, surface, bottom
         self.sonar, self.mission, self.sampling = sonar, mission, sampling
         self.model, self.detector, self.output = model, detector, output
-        self.objects: list[dict[str, Any]] = []
+        self.objects: list[Any] = list(objects)
         self._meshes: dict[str, tuple[Handle, np.ndarray, np.ndarray]] = {}
         self._context = Context()
         self._more: dict[str, Any] = {}  # sections of a file that are no arguments here
@@ -120,8 +120,7 @@ class Scene:
             lib.free(found[0])
         sections = _find_files(sections, os.path.dirname(os.path.abspath(os.fsdecode(path))))
         sections.pop("version", None)
-        scene, objects = cls(), sections.pop("objects", None)
-        scene.objects = list(objects or [])
+        scene = cls(objects=sections.pop("objects", None) or ())
         scene._more = {name: value for name, value in sections.items() if name not in SECTIONS}
         for name in sections.keys() - scene._more.keys():
             setattr(scene, name, sections[name])
