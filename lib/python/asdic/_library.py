@@ -383,9 +383,13 @@ def whole(value: Any, what: str, low: int, high: int) -> int:
     return int(result)
 
 
+MASKED: Any = np.ma
+"""numpy.ma, whose functions have no types."""
+
+
 def doubles(values: ArrayLike) -> np.ndarray:
     """VALUES in double precision; NAN where a masked array, as netCDF4 reads files, has none."""
-    return np.ma.filled(np.ma.asarray(values, dtype=np.float64), np.nan)
+    return np.asarray(MASKED.filled(MASKED.asarray(values, dtype=np.float64), np.nan))
 
 
 class _Memory:  # pylint: disable=too-few-public-methods

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._library import (ArgumentError, Context, Fields, Handle, Progress, doubles, dtype_of, encoded, fail, ffi,
-                       fields, lib, number, open_devices, value_of, view, whole, words)
+from ._library import (MASKED, ArgumentError, Context, Fields, Handle, Progress, doubles, dtype_of, encoded, fail,
+                       ffi, fields, lib, number, open_devices, value_of, view, whole, words)
 from ._scene import SceneLike, choose_sampling, load_mission
 
 PARTS = tuple(word for word in words("asdic_component") if word != "total")
@@ -320,7 +320,7 @@ class Simulator:
 
         The same pings as one by one, in fewer calls of the library, which may simulate some together.
         """
-        rows = np.ma.asarray(poses)
+        rows = MASKED.asarray(poses)
         if rows.ndim != 2 or rows.shape[1] not in (3, 6) or rows.dtype.kind not in "fiu":
             raise fail(ArgumentError, f"poses have the shape {rows.shape} of {rows.dtype}; they must be numbers of shape "
                        "(n, 3) or (n, 6)")
