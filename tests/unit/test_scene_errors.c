@@ -208,6 +208,10 @@ static void alternatives_exclude_each_other(void **state) {
                 "'material', 'type'  [objects[1]]\n");
 }
 
+#define PRESETS                                                                                    \
+    "acrylic, air, aluminium, brass, concrete, copper, glass, ice, iron, lead, pine, rubber, "     \
+    "steel, wood"
+
 static void points_and_presets_are_checked(void **state) {
     (void)state;
     expect_edit("mission:",
@@ -229,11 +233,28 @@ static void points_and_presets_are_checked(void **state) {
                 "8:34: error: 'target_strength_db' = 400 is out of range [-200, 100] dB re 1 m2  "
                 "[objects[0].point.target_strength_db]\n"
                 "9:41: error: 'type' has no effect on a point; leave it out  [objects[1]]\n"
-                "11:25: error: 'preset' = steal is not one of acrylic, air, aluminium, brass, "
-                "concrete, copper, glass, ice, iron, lead, pine, rubber, steel, wood; did you mean "
-                "'steel'?  [objects[2].material.preset]\n"
+                "11:25: error: 'preset' = steal is not one of " PRESETS "; did you mean 'steel'?  "
+                "[objects[2].material.preset]\n"
                 "13:32: error: 'preset' and 'impedance_mrayl' exclude each other; give only one of "
                 "'preset', 'impedance_mrayl'  [objects[3].material]\n");
+    expect_edit("mission:", /* a word alone is of the key that it is next to */
+                "objects:\n"
+                "  - {sphere: {radius_m: 1}, position_m: [1, 2, 3], material: steal}\n"
+                "  - {sphere: {radius_m: 1}, position_m: [1, 2, 3], material: sandd}\n"
+                "  - {sphere: {radius_m: 1}, position_m: [1, 2, 3], material: clai}\n"
+                "  - {sphere: {radius_m: 1}, position_m: [1, 2, 3], material: unobtainium}\n"
+                "mission:",
+                "8:62: error: 'preset' = steal is not one of " PRESETS "; did you mean 'steel'?  "
+                "[objects[0].material.preset]\n"
+                "9:62: error: 'type' = sandd is not one of mud, sand, gravel, rock or a number in "
+                "[1, 4]; did you mean 'sand'?  [objects[1].material.type]\n"
+                "10:62: error: 'sediment' = clai is not one of rough_rock, rock, cobble, "
+                "sandy_gravel, very_coarse_sand, coarse_sand, medium_sand, fine_sand, "
+                "very_fine_sand, clayey_sand, coarse_silt, sandy_silt, medium_silt, sandy_mud, "
+                "fine_silt, sandy_clay, very_fine_silt, silty_clay, clay; did you mean 'clay'?  "
+                "[objects[2].material.sediment]\n"
+                "11:62: error: 'preset' = unobtainium is not one of " PRESETS "  "
+                "[objects[3].material.preset]\n");
 }
 
 static void names_are_fit_for_files_and_differ(void **state) {

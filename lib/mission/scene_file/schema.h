@@ -99,6 +99,9 @@ void asdic_schema_read_value(const asdic_schema_reader *reader, const asdic_key 
 /* The word of KEY that NODE is, or NULL. */
 const asdic_word *asdic_schema_word(const asdic_key *key, const asdic_yaml_node *node);
 
+/* Whether NODE may be a slip of one of KEY's words. */
+bool asdic_schema_is_near(const asdic_key *key, const asdic_yaml_node *node);
+
 /* KEY's fallback as a node that no file holds; NULL when there is none or memory is short. */
 asdic_yaml_node *asdic_schema_fallback(const asdic_schema_reader *reader, const asdic_key *key);
 

@@ -259,14 +259,17 @@ static asdic_yaml_node *wrap(const asdic_schema_reader *r, asdic_yaml_node *valu
     return map;
 }
 
-/* The key of TABLE whose value NODE is in place of a map. */
+/* The key of TABLE whose value NODE is in place of a map; else the one that it is next to. */
 static const char *key_of_scalar(const asdic_table *table, const asdic_yaml_node *node) {
+    const char *near = NULL;
     for (size_t k = 0; table->scalar_is_any_word && k < table->key_count; k++) {
-        if (asdic_schema_word(&table->keys[k], node)) {
-            return table->keys[k].name;
+        const asdic_key *key = &table->keys[k];
+        if (asdic_schema_word(key, node)) {
+            return key->name;
         }
+        near = !near && asdic_schema_is_near(key, node) ? key->name : near;
     }
-    return table->scalar_key;
+    return near ? near : table->scalar_key;
 }
 
 /* A scalar or list where a map should be may stand for one of its keys: NODE as such a map, or

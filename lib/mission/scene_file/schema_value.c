@@ -61,30 +61,40 @@ const asdic_word *asdic_schema_word(const asdic_key *key, const asdic_yaml_node 
     return NULL;
 }
 
+/* The word of KEY that NODE may be a slip of, or NULL. */
+static const char *nearest_word(const asdic_key *key, const asdic_yaml_node *node) {
+    const char *names[MAX_WORDS] = {0};
+    size_t count = 0;
+    for (const asdic_word *word = key->words; word && word->name && count < MAX_WORDS; word++) {
+        names[count++] = word->name;
+    }
+    bool is_scalar = node->kind == ASDIC_YAML_SCALAR;
+    size_t nearest = is_scalar ? asdic_words_nearest(node->text, names, count) : count;
+    return nearest < count ? names[nearest] : NULL;
+}
+
+bool asdic_schema_is_near(const asdic_key *key, const asdic_yaml_node *node) {
+    return nearest_word(key, node) != NULL;
+}
+
 /* NODE is none of KEY's words, nor a number where that would do. */
 static void report_no_word(const asdic_schema_reader *r, const asdic_key *key,
                            asdic_yaml_node *node) {
     char shown[192];
-    const char *names[MAX_WORDS] = {0};
-    size_t count = 0;
     asdic_text words = {0};
     list_words(key, &words);
-    for (const asdic_word *word = key->words; word->name && count < MAX_WORDS; word++) {
-        names[count++] = word->name;
-    }
     if (key->type == ASDIC_KEY_NUMBER || key->type == ASDIC_KEY_INTEGER) {
         asdic_text_format(&words, " or a %snumber in [%.15g, %.15g]%s%s",
                           key->type == ASDIC_KEY_INTEGER ? "whole " : "", key->min, key->max,
                           key->unit ? " " : "", key->unit ? key->unit : "");
     }
     bool scalar = node->kind == ASDIC_YAML_SCALAR;
-    size_t nearest = scalar ? asdic_words_nearest(node->text, names, count) : count;
-    bool found = nearest < count;
+    const char *nearest = nearest_word(key, node);
     asdic_yaml_problem(r->problems, node, "%s %s %s%s%s%s", show(key, node, shown, sizeof shown),
                        scalar && (node->length || node->quoted) ? "is not one of"
                                                                 : "must be one of",
-                       words.data ? words.data : "", found ? "; did you mean '" : "",
-                       found ? names[nearest] : "", found ? "'?" : "");
+                       words.data ? words.data : "", nearest ? "; did you mean '" : "",
+                       nearest ? nearest : "", nearest ? "'?" : "");
     asdic_text_finish(&words);
 }
 
