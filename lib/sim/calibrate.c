@@ -84,6 +84,11 @@ typedef struct alike {
 /* What a cell's error is like. */
 typedef enum error_kind { OF_OBJECTS, OF_FIRST_ECHO, OF_THE_REST } error_kind;
 
+/* Where a receiver first hears the bottom, and the surface. */
+typedef struct first_bins {
+    size_t of[ASDIC_BOUNDARIES];
+} first_bins;
+
 /* What the calibration's pings gave, per cell. The memory is kept from block to block: for many beams and
  * bins it is a hundred megabytes, which take longer to allocate than to fill. */
 typedef struct asdic_calibration {
@@ -95,10 +100,9 @@ typedef struct asdic_calibration {
     float *objects, *water;         /* of the mean, what came off objects, off water */
     asdic_ping *pings[PINGS_ALONE]; /* the latest; as many as go to the device together */
     double *row;                    /* scratch, 4 (bins + 1) */
-    size_t
-        *first_bin[ASDIC_BOUNDARIES]; /* of each receiver, where it first hears the bottom, ... */
-    size_t *sharp_bin[ASDIC_BOUNDARIES]; /* the same before the pulse's length */
-    alike *alike;                        /* of each receiver where they are many, else NULL */
+    uint8_t *kind;                  /* error_kind; with few receivers */
+    first_bins *first, *sharp;      /* of each receiver; sharp: before the pulse's length */
+    alike *alike;                   /* of each receiver where they are many, else NULL */
 } calibration;
 
 /* The relative variance of one ping, from how the calibration's pings differ in a cell; negative: the cell
@@ -125,7 +129,7 @@ static double cell_ratio(const calibration *c, size_t cell) {
 static bool is_of_first_echo(const calibration *c, size_t beam, size_t bin) {
     bool is_of = false;
     for (size_t k = 0; k < ASDIC_BOUNDARIES; k++) {
-        size_t first = c->first_bin[k][beam];
+        size_t first = c->first[beam].of[k];
         is_of = is_of || (bin >= first && bin - first < ASDIC_FIRST_BINS);
     }
     return is_of;
@@ -135,19 +139,22 @@ static bool is_ruled_by_water(const calibration *c, size_t cell) {
     return c->water[cell] > 0.5 * c->mean[cell];
 }
 
-static error_kind kind_of(const asdic_simulator *sim, const calibration *c, size_t cell) {
-    if (c->objects[cell] > 0.5 * c->mean[cell]) {
-        return OF_OBJECTS;
+static void find_kinds(const asdic_simulator *sim, calibration *c) {
+    size_t bins = sim->setup.bins;
+    for (size_t b = 0; b < sim->setup.sonar.receiver_count; b++) {
+        for (size_t n = 0; n < bins; n++) {
+            size_t cell = b * bins + n;
+            bool is_first = is_of_first_echo(c, b, n) && !is_ruled_by_water(c, cell);
+            c->kind[cell] = c->objects[cell] > 0.5 * c->mean[cell] ? OF_OBJECTS
+                            : is_first                             ? OF_FIRST_ECHO
+                                                                   : OF_THE_REST;
+        }
     }
-    bool is_first = !is_ruled_by_water(c, cell) &&
-                    is_of_first_echo(c, cell / sim->setup.bins, cell % sim->setup.bins);
-    return is_first ? OF_FIRST_ECHO : OF_THE_REST;
 }
 
 /* The ratio of a cell of KIND; negative: it is of another, or empty. */
-static double ratio_among(const asdic_simulator *sim, const calibration *c, error_kind kind,
-                          size_t cell) {
-    return kind_of(sim, c, cell) == kind ? cell_ratio(c, cell) : -1.0;
+static double ratio_among(const calibration *c, error_kind kind, size_t cell) {
+    return c->kind[cell] == kind ? cell_ratio(c, cell) : -1.0;
 }
 
 static int compare(const void *a, const void *b) {
@@ -161,7 +168,7 @@ static double typical_ratio(const asdic_simulator *sim, size_t first, const cali
     double ratios[TYPICAL_SAMPLES];
     size_t count = 0, step = (sim->setup.bins + TYPICAL_SAMPLES - 1) / TYPICAL_SAMPLES;
     for (size_t n = 0; n < sim->setup.bins; n += step) {
-        double ratio = ratio_among(sim, c, OF_THE_REST, first + n);
+        double ratio = ratio_among(c, OF_THE_REST, first + n);
         if (ratio >= 0.0) {
             ratios[count++] = ratio;
         }
@@ -193,8 +200,8 @@ typedef struct shared_ratios {
 static shared_ratios share_ratios(const asdic_simulator *sim, const calibration *c) {
     ratio_sum objects = {0}, first = {0}, water = {0}, rest = {0};
     for (size_t cell = 0; cell < sim->setup.cells; cell++) {
-        add_ratio(&objects, ratio_among(sim, c, OF_OBJECTS, cell));
-        add_ratio(&first, ratio_among(sim, c, OF_FIRST_ECHO, cell));
+        add_ratio(&objects, ratio_among(c, OF_OBJECTS, cell));
+        add_ratio(&first, ratio_among(c, OF_FIRST_ECHO, cell));
         add_ratio(&water, is_ruled_by_water(c, cell) ? cell_ratio(c, cell) : -1.0);
     }
     for (size_t cell = 0; cell < sim->setup.cells; cell += sim->setup.bins) {
@@ -266,15 +273,15 @@ static void calibrate_bins(asdic_simulator *sim, size_t first, error_kind kind, 
     size_t bins = sim->setup.bins;
     double *values = c->row, *sums = values + bins + 1, *counts = sums + bins + 1;
     for (size_t n = 0; n < bins; n++) {
-        values[n] = fmax(ratio_among(sim, c, kind, first + n), 0.0);
+        values[n] = fmax(ratio_among(c, kind, first + n), 0.0);
     }
     add_up(values, bins, sums);
     for (size_t n = 0; n < bins; n++) {
-        values[n] = ratio_among(sim, c, kind, first + n) >= 0.0;
+        values[n] = ratio_among(c, kind, first + n) >= 0.0;
     }
     add_up(values, bins, counts);
     for (size_t n = 0; n < bins; n++) {
-        if (kind_of(sim, c, first + n) != kind) {
+        if (c->kind[first + n] != kind) {
             continue;
         }
         double ratio = (within(sums, bins, n, WINDOW) + TYPICAL_WEIGHT * typical) /
@@ -394,12 +401,12 @@ static void take_ping(const asdic_simulator *sim, const asdic_ping *ping, uint32
 }
 
 /* Where each receiver FIRST hears the bottom, and the surface, in any ping. */
-static void take_first_bins(const asdic_simulator *sim, const asdic_ping *ping,
-                            size_t *const *first) {
+static void take_first_bins(const asdic_simulator *sim, const asdic_ping *ping, first_bins *first) {
     for (size_t k = 0; k < ASDIC_BOUNDARIES; k++) {
         const double *energy = ping->intensity_lin[asdic_boundaries[k]];
         for (size_t b = 0; b < sim->setup.sonar.receiver_count; b++) {
-            first[k][b] = asdic_first_bin(energy + b * sim->setup.bins, first[k][b]);
+            size_t *bin = &first[b].of[k];
+            *bin = asdic_first_bin(energy + b * sim->setup.bins, *bin);
         }
     }
 }
@@ -408,7 +415,7 @@ static void take_first_bins(const asdic_simulator *sim, const asdic_ping *ping,
 static void forget_first_bins(const asdic_simulator *sim, calibration *c) {
     for (size_t b = 0; b < sim->setup.sonar.receiver_count; b++) {
         for (size_t k = 0; k < ASDIC_BOUNDARIES; k++) {
-            c->first_bin[k][b] = c->sharp_bin[k][b] = sim->setup.bins;
+            c->first[b].of[k] = c->sharp[b].of[k] = sim->setup.bins;
         }
     }
 }
@@ -448,11 +455,11 @@ static asdic_status run_pings(asdic_simulator *sim, const asdic_pose *pose, uint
             if (!sim->fan.many) {
                 take_mean(sim, c->pings[i], c);
             }
-            take_first_bins(sim, c->pings[i], c->sharp_bin);
+            take_first_bins(sim, c->pings[i], c->sharp);
             asdic_pulse_smear(&sim->setup.sonar, sim->shots[i].water.sound_speed_mps,
                               sim->setup.threads, sim->host.scratch, c->pings[i]);
             take_ping(sim, c->pings[i], k, c);
-            take_first_bins(sim, c->pings[i], c->first_bin);
+            take_first_bins(sim, c->pings[i], c->first);
         }
     }
     return ASDIC_OK;
@@ -477,11 +484,9 @@ static asdic_status allocate(const asdic_simulator *sim, calibration *c) {
             (c->rare = malloc(cells * sizeof *c->rare)) &&
             (c->objects = malloc(cells * sizeof *c->objects)) &&
             (c->water = malloc(cells * sizeof *c->water)) &&
-            (c->row = malloc(4 * (longest + 1) * sizeof *c->row));
-    for (size_t k = 0; k < ASDIC_BOUNDARIES; k++) {
-        whole = whole && (c->first_bin[k] = malloc(beams * sizeof *c->first_bin[k])) &&
-                (c->sharp_bin[k] = malloc(beams * sizeof *c->sharp_bin[k]));
-    }
+            (c->row = malloc(4 * (longest + 1) * sizeof *c->row)) && (c->kind = malloc(cells)) &&
+            (c->first = malloc(beams * sizeof *c->first)) &&
+            (c->sharp = malloc(beams * sizeof *c->sharp));
     if (!whole) {
         return asdic_fail_memory(sim->ctx, "a calibration");
     }
@@ -517,10 +522,9 @@ void asdic_calibration_destroy(asdic_calibration **c) {
         free((*c)->water);
         free((*c)->row);
         free((*c)->alike);
-        for (size_t k = 0; k < ASDIC_BOUNDARIES; k++) {
-            free((*c)->first_bin[k]);
-            free((*c)->sharp_bin[k]);
-        }
+        free((*c)->kind);
+        free((*c)->first);
+        free((*c)->sharp);
         free(*c);
         *c = NULL;
     }
@@ -528,7 +532,7 @@ void asdic_calibration_destroy(asdic_calibration **c) {
 
 size_t asdic_calibration_first_bin(const asdic_simulator *sim, size_t boundary, size_t beam) {
     const calibration *c = sim->learnt.calibration;
-    return c ? c->sharp_bin[boundary][beam] : SIZE_MAX;
+    return c ? c->sharp[beam].of[boundary] : SIZE_MAX;
 }
 
 asdic_status asdic_simulator_calibrate(asdic_simulator *sim, const asdic_pose *pose,
@@ -542,6 +546,7 @@ asdic_status asdic_simulator_calibrate(asdic_simulator *sim, const asdic_pose *p
         }
         return asdic_drift_learn(sim);
     }
+    find_kinds(sim, c);
     shared_ratios shared = share_ratios(sim, c);
     sim->learnt.object_ratio = (float)shared.objects;
     for (size_t beam = 0; beam < sim->setup.sonar.receiver_count; beam++) {
