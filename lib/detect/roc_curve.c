@@ -5,6 +5,7 @@
 #include "base/clock.h"
 #include "base/context.h"
 #include "base/try.h"
+#include "sim/variates.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -18,7 +19,7 @@
 /* Draws with the target use their own random numbers: they are not the draws without it plus an
  * echo. */
 static uint64_t seed_of(uint64_t seed, bool present) {
-    return present ? seed ^ 0x9E3779B97F4A7C15u : seed;
+    return present ? asdic_other_seed(seed) : seed;
 }
 
 /* Draws so many at a time, some 10 ms of work, between looks at whether to stop. */

@@ -25,4 +25,9 @@ void asdic_variates_normal(asdic_variates *v, double out[2]);
 /* Gamma of SHAPE > 0 and mean SHAPE. */
 double asdic_variates_gamma(asdic_variates *v, double shape);
 
+/* The seed of another sequence, for what must not be drawn by the same numbers. */
+static inline uint64_t asdic_other_seed(uint64_t seed) {
+    return seed ^ 0x9E3779B97F4A7C15u;
+}
+
 #endif

@@ -10,6 +10,7 @@
 #include "out/file.h"
 #include "out/npy.h"
 #include "out/record.h"
+#include "sim/variates.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -23,9 +24,6 @@
 #define MOST_TIMES 4.0
 #define MOST_TIMES_AT_REST 64.0
 #define MOST_RAYS ((uint32_t)1 << 23)
-/* Its rays are drawn by a seed of their own: where no object is, those of the run would err as the run does, and
- * thresholds that allow for both errors would let too few false alarms through. */
-#define OTHER_SEED 0x9E3779B97F4A7C15u
 /* A bin that few rays reach may have missed its rare strong echoes, and then states too small an
  * error: variances are means over so many bins on either side. */
 #define NEIGHBOURS 4
@@ -62,6 +60,8 @@ struct asdic_backdrop {
     const asdic_detect_options *options;
     char *path;
     uint64_t key; /* of the run, its scene, and the number of rays */
+    /* Another than the run's: where no object is, its rays would err as the run's do, and thresholds that allow for
+     * both errors would let too few false alarms through. */
     uint64_t seed;
     uint32_t rays;
     size_t cells, pings, record_bytes, header_bytes;
@@ -256,7 +256,7 @@ static asdic_status prepare(asdic_backdrop *b) {
     size_t arrays = kinds[b->kind].count + 1;
     b->pings = at_rest ? 1 : asdic_store_count(b->run->store);
     b->rays = rays_of(b->run, at_rest);
-    b->seed = facts->sampling.seed ^ OTHER_SEED;
+    b->seed = asdic_other_seed(facts->sampling.seed);
     b->cells = facts->beams * facts->bins;
     b->record_bytes = sizeof(head) + arrays * b->cells * sizeof(float) + sizeof(uint32_t);
     b->read = SIZE_MAX;
