@@ -72,6 +72,13 @@ static honesty_rig rig_open(const honesty_case *c) {
     return r;
 }
 
+static honesty_rig rig_of_text(const char *text) {
+    asdic_scene_text scene = {.text = text, .length = strlen(text), .name = "scene.yaml"};
+    asdic_mission *mission = NULL;
+    assert_ok(t.ctx, asdic_mission_load_text(t.ctx, &scene, &mission));
+    return rig_of(mission);
+}
+
 static void rig_close(honesty_rig *r) {
     asdic_mission_destroy(&r->mission);
     free(r->beams);
@@ -276,10 +283,7 @@ static void objects_elsewhere(void **state) {
         snprintf(place, sizeof place, "track: %s/tracks/fish.csv", DATA_DIR);
         snprintf(whole, sizeof whole, text, moves ? place : "position_m: [30, 0, 10]",
                  moves ? "" : dome);
-        asdic_scene_text scene = {.text = whole, .length = strlen(whole), .name = "objects.yaml"};
-        asdic_mission *mission = NULL;
-        assert_ok(t.ctx, asdic_mission_load_text(t.ctx, &scene, &mission));
-        honesty_rig r = rig_of(mission);
+        honesty_rig r = rig_of_text(whole);
         honesty_sum sum = {0};
         r.pose.position_m.x += cases[k].ahead_m;
         r.mover = moves ? "ball" : NULL;
@@ -491,10 +495,7 @@ static void open_water(void **state) {
         "    - {name: d, yaw_deg: -2, pitch_deg: -2.8, length_h_m: 0.0121, length_v_m: 0.0388}\n"
         "mission: {pose: {position_m: [0, 0, 8.4], roll_deg: -4.9, pitch_deg: 3.5}, pings: 1}\n"
         "model: {refraction: full}\n";
-    asdic_mission *mission = NULL;
-    asdic_scene_text scene = {.text = text, .length = strlen(text), .name = "water.yaml"};
-    assert_ok(t.ctx, asdic_mission_load_text(t.ctx, &scene, &mission));
-    honesty_rig r = rig_of(mission);
+    honesty_rig r = rig_of_text(text);
     honesty_sum sums[2] = {{0}};
     add_errors(&r, 8000, 16, add_water, sums);
     for (int k = 0; k < 2; k++) {
@@ -543,10 +544,7 @@ static void first_echoes(void **state) {
         for (size_t i = 0; i < 3; i++) {
             char whole[sizeof text + 64];
             snprintf(whole, sizeof whole, text, depths_m[i], cases[k].beams, 0.45 * depths_m[i]);
-            asdic_mission *mission = NULL;
-            asdic_scene_text scene = {.text = whole, .length = strlen(whole), .name = "first.yaml"};
-            assert_ok(t.ctx, asdic_mission_load_text(t.ctx, &scene, &mission));
-            honesty_rig r = rig_of(mission);
+            honesty_rig r = rig_of_text(whole);
             r.pose.position_m.z += cases[k].deeper_m;
             add_errors(&r, 20000, 8, add_first, sums);
             rig_close(&r);
@@ -597,10 +595,7 @@ static void objects_that_came_nearer(void **state) {
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         char text[sizeof objects_text + 64];
         snprintf(text, sizeof text, objects_text, cases[k].beams, cases[k].length_m);
-        asdic_mission *mission = NULL;
-        asdic_scene_text scene = {.text = text, .length = strlen(text), .name = "objects.yaml"};
-        assert_ok(t.ctx, asdic_mission_load_text(t.ctx, &scene, &mission));
-        honesty_rig r = rig_of(mission);
+        honesty_rig r = rig_of_text(text);
         honesty_sum sums[2] = {{0}};
         r.pose.position_m.x += cases[k].ahead_m;
         r.mover = "diver";
