@@ -1,56 +1,23 @@
-"""Trials: figures against closed forms, the same bytes however runs are dealt, rules of other programs,
-draws that cannot be flown. With the argument `full` the same closed forms in ten thousand runs."""
+"""Trials: figures against closed forms, draws that cannot be flown. With the argument `full` the same closed forms
+in ten thousand runs."""
 import csv
 import functools
 import json
 import math
 import os
-import resource
 import shutil
-import signal
-import subprocess
 import sys
-import time
 
 import program
 import tap
 from program import Folder, asdic
 from run_folder import data
+from trial_wall import BIN, CLOSE, FRONT, HULL, IDEAL, REACH, WALL, fly, rows
 
 FULL = sys.argv[1:] == ["full"]
 if FULL:
     del sys.argv[1:]
 SPEED, RADIUS, RESPONSE, RATE = 1.5, 5.0, 1.0, 1.0
-HULL, REACH, BIN, FRONT = 0.2, 20.0, 0.5, 59.0
-
-WALL = """
-version: 1
-bottom: {depth_m: 20, type: sand}
-objects:
-  - {name: wall, box: {size_m: [2, 400, 40]}, position_m: [60, 0, 10]}
-sonar:
-  frequency_khz: 100
-  ping_rate_hz: 1
-  source_level_db: 200
-  max_range_m: 40
-  bin_length_m: 0.5
-  speckle: rayleigh
-  receivers: [{name: forward, length_h_m: 0.05, length_v_m: 0.05}]
-mission:
-  waypoints: {points_m: [[0, 0, 10], [100, 0, 10]], speed_mps: 1.5, turn_radius_m: 5, response_s: 1}
-detector: {pfa: 1.0e-4}
-sampling: {rays: 1000}
-trial:
-  hull_radius_m: 0.2
-  time_s: 45
-  rule: {manoeuvre: turn, turn_deg: 150, reach_m: 20, hold_s: 1000}
-"""
-IDEAL = WALL + "  ideal: {pd: PD}\n"
-# The same in deep water and from pings at which the wall is in sight soon: quick.
-LEAD = 20
-CLOSE = IDEAL.replace("depth_m: 20", "depth_m: 200").replace("[[0, 0, 10]", f"[[{LEAD * 1.5}, 0, 10]").replace(
-    "time_s: 45", f"time_s: {45 - LEAD}")
-
 EMPTY = """
 version: 1
 bottom: {depth_m: 20, type: sand}
@@ -106,19 +73,6 @@ def within_99(events, trials, p):
         below += term if k <= events else 0.0
         above += term if k >= events else 0.0
     return below > 0.005 and above > 0.005
-
-
-def fly(folder, path, runs, *options):
-    command = [program.PATH, "trial", path, "--runs", str(runs), "-o", folder / "out", "-f", "--json"]
-    done = subprocess.run(command + [str(option) for option in options], capture_output=True,
-                          check=False, timeout=1500 if FULL else 100)
-    tap.equal(done.returncode, 0, done.stderr)
-    return json.loads(done.stdout)["variants"]
-
-
-def rows(folder, name="out"):
-    with open(os.path.join(folder / name, "trial.csv"), encoding="utf-8", newline="") as file:
-        return list(csv.DictReader(file))
 
 
 def test_a_wall_and_a_sonar_of_fixed_pd():
@@ -386,128 +340,6 @@ def test_pairs_need_fewer_runs():
         print(f"# pairs take {share:.3f} of the runs of designs flown apart")
 
 
-def check_table(text, figures):
-    """What is printed of designs is what trial.json says of FIGURES."""
-    want = ["design runs collision 95 % bounds needless per km, bounds nearest m"]
-    for v in figures:
-        want += [v["name"], v["runs"], "{:.4f} {:.4f}..{:.4f}".format(*v["collision"]),
-                 "{:.3f} {:.3f}..{:.3f}".format(*v["needless_per_km"]), f"{v['least_clearance_m']:.2f}"]
-    want += ["design hits not seen seen late could not turn late void broken km"]
-    for v in figures:
-        want += [v["name"], *(v[key] for key in ("hit", "not seen", "seen late", "could not turn", "late", "void",
-                                                 "broken")), f"{v['km']:.2f}"]
-    want += ["less the first collision 95 % bounds by chance runs, of unpaired"]
-    for v in figures[1:]:
-        want += [v["name"], "{:+.4f} {:+.4f}..{:+.4f}".format(*v["difference"]), f"{v['mcnemar']:.2g}",
-                 f"{100 * v['paired_share']:.0f} %"]
-    tap.equal(" ".join(text.split()), " ".join(map(str, want)), "table")
-
-
-def test_the_same_bytes_however_dealt():
-    """Of one process, of shards, of a trial that was stopped, and of another order of workers."""
-    with Folder() as folder:
-        path = folder.write("wall.yaml", IDEAL.replace("PD", "0.1") + """  draws:
-    - {key: 'objects[0].position_m[0]', uniform: [59, 65]}
-    - {key: 'objects[0].material.type', choice: [mud, rock]}
-    - {key: 'objects[0].box.size_m', choice: [[2, 400, 40]]}
-""")
-        vary = ("--vary", "trial.rule.reach_m=10,20")
-        done = asdic("trial", path, "--runs", 20, *vary, "-o", folder / "whole").check(code=0)
-        check_table(done.out, json.loads(folder.read("whole/trial.json"))["variants"])
-        for k in (1, 2, 3):
-            asdic("trial", path, "--runs", 20, *vary, "--shard", f"{k}/3", "-o",
-                  folder / f"part{k}").check(code=0)
-        asdic("merge", folder / "part3", folder / "part1", folder / "part2", "-o",
-              folder / "merged").check(code=0)
-        shutil.copytree(folder / "whole", folder / "cut")
-        os.rename(folder / "cut/trial.json", folder / "cut/trial.part.json")
-        with open(folder / "cut/trial.csv", "rb") as file:
-            content = file.read()
-        with open(folder / "cut/trial.part.csv", "wb") as file:
-            file.write(content[:len(content) // 2])
-        os.remove(folder / "cut/trial.csv")
-        os.remove(folder / "cut/trial.png")
-        asdic("trial", path, "--runs", 20, *vary, "-o", folder / "cut").check(code=1)
-        asdic("trial", path, "--runs", 21, *vary, "-o", folder / "cut", "--resume").check(code=3)
-        asdic("trial", path, "--runs", 20, *vary, "-o", folder / "cut", "--resume").check(code=0)
-        with open(folder / "whole/trial.csv", encoding="utf-8") as file:
-            drawn = [row["objects[0].box.size_m"] for row in csv.DictReader(file)]
-        tap.equal(drawn, 40 * ["[2, 400, 40]"], "a field with commas")
-        for name in ("trial.csv", "trial.json", "trial.png"):
-            for other in ("merged", "cut"):
-                tap.equal(data(folder, other, name), data(folder, "whole", name), f"{other}/{name}")
-        tap.equal(sorted(os.listdir(folder / "cut")), ["trial.csv", "trial.json", "trial.png"])
-        asdic("trial", path, "--runs", 20, *vary, "-o", folder / "cut", "--resume").check(code=0) # nothing is left
-        for options in (("--runs", 21), ("--runs", 20, "--seed", 2), ("--runs", 20, "--shard", "1/2")):
-            done = asdic("trial", path, *options, *vary, "-o", folder / "cut", "--resume").check(code=3)
-            tap.contains(done.err, "holds another trial")
-        done = asdic("merge", folder / "part1", folder / "part3", "-o", folder / "gap").check(code=3)
-        tap.contains(done.err, "runs 6 to 12 are in no part")
-        asdic("trial", path, "--runs", 20, "-o", folder / "whole").check(code=1)
-
-
-HILLS = """ncols 30
-nrows 30
-xllcorner -30
-yllcorner -30
-cellsize 5
-"""
-
-
-def test_terrain_is_kept_from_run_to_run():
-    """Objects drawn over a bottom of triangles: a worker that flies all runs, and keeps the bottom, writes
-    what workers write that fly one run each and build it anew; also where sound bends, for which the bottom is
-    lifted."""
-    program.need_device()
-    waters = ("", "environment: {sound_speed_gradient_per_s: -0.5}\n",
-              "environment: {sound_speed_profile: cast.csv}\n")
-    with Folder() as folder:
-        heights = "\n".join(" ".join("%.3f" % (18 + math.sin(0.7 * i) * math.cos(0.4 * k))
-                                      for k in range(30)) for i in range(30))
-        folder.write("hills.asc", HILLS + heights + "\n")
-        folder.write("cast.csv", "depth_m,sound_speed_mps\n0,1510\n8,1508\n12,1490\n")
-        scene = WALL.replace("depth_m: 20", "grid: {file: hills.asc, values: depths}").replace(
-            "time_s: 45", "time_s: 8") + """  draws:
-    - {key: 'objects[0].position_m[0]', uniform: [20, 160]}
-    - {key: 'objects[0].box.size_m[2]', uniform: [10, 40]}
-    - {key: 'mission.waypoints.points_m[0][2]', uniform: [9, 11]}
-    - {key: environment.wind_speed_kn, uniform: [0, 20]}
-"""
-        for i, water in enumerate(waters):
-            path = folder.write("hills.yaml", water + scene)
-            asdic("trial", path, "--runs", 2, "--workers", 1, "-o", folder / f"one{i}").check(code=0)
-            for k in (1, 2):
-                asdic("trial", path, "--runs", 2, "--shard", f"{k}/2", "-o", folder / f"part{i}{k}").check(code=0)
-            asdic("merge", *(folder / f"part{i}{k}" for k in (1, 2)), "-o", folder / f"all{i}").check(code=0)
-            tap.equal(data(folder, f"all{i}", "trial.csv"), data(folder, f"one{i}", "trial.csv"))
-
-
-def test_folders_have_the_names_of_their_scenes():
-    with Folder() as folder:
-        folder.write("wall.yaml", CLOSE.replace("PD", "1"))
-        for options in (), ("--shard", "2/3"):
-            asdic("trial", "wall.yaml", "--runs", 3, *options, cwd=folder.path).check(code=0)
-        tap.equal(folder.names(), ["trial_wall", "trial_wall_2_of_3", "wall.yaml"], "folders")
-
-
-def test_parts_are_of_one_trial():
-    """Whatever differs in the section `trial`, or in the values of a key of it, parts are not joined."""
-    base = IDEAL.replace("PD", "0.1") + "  draws: [{key: 'objects[0].position_m[0]', uniform: [59, 65]}]\n"
-    vary = ("--vary", "trial.rule.turn_deg=30,60")
-    others = [(base.replace(a, b), vary) for a, b in (("pd: 0.1", "pd: 0.2"), ("pd: 0.1", "pd: 0.1, pfa: 0.1"),
-                                                      ("time_s: 45", "time_s: 20"), ("59, 65", "59, 66"),
-                                                      ("reach_m: 20", "reach_m: 20, sector_deg: 30"))]
-    others += [(base, ("--vary", "trial.rule.turn_deg=30,90")), (base, ("--vary", "trial.rule.climb_m=30,60"))]
-    with Folder() as folder:
-        path = folder.write("one.yaml", base)
-        asdic("trial", path, "--runs", 2, *vary, "--shard", "1/2", "-o", folder / "one").check(code=0)
-        for i, (text, option) in enumerate(others):
-            asdic("trial", folder.write("one.yaml", text), "--runs", 2, *option, "--shard", "2/2", "-o",
-                  folder / f"two{i}").check(code=0)
-            done = asdic("merge", folder / "one", folder / f"two{i}", "-o", folder / "all").check(code=3)
-            tap.contains(done.err, "these are parts of different trials")
-
-
 def test_what_is_varied_is_not_drawn():
     """A value of --vary stands in place of a draw of the same key, also of one that names a file."""
     with Folder() as folder:
@@ -530,47 +362,6 @@ def test_what_is_varied_is_not_drawn():
             late = [(row["run"], int(row["pings"])) for row in found if row["outcome"] == "late"]
             if key == "sonar.file":
                 tap.equal(sorted({pings for _, pings in late}), [45, 180])
-
-
-def test_several_devices_give_the_same_bytes():
-    """Runs dealt to two kinds of PoCL's devices, and to workers that share one."""
-    program.need_device()
-    with Folder() as folder:
-        path = folder.write("wall.yaml", WALL.replace("time_s: 45", "time_s: 12") + """  draws:
-    - {key: 'objects[0].position_m[0]', uniform: [20, 65]}
-""")
-        for name, options, devices in (("one", ("--device", "0:0", "--workers", 1), "pthread"),
-                                       ("three", ("--device", "0:0", "--workers", 3), "pthread"),
-                                       ("two", ("--device", "all", "--workers", 2), "pthread basic"),
-                                       ("list", ("--device", "0:1,0:0"), "pthread basic")):
-            asdic("trial", path, "--runs", 5, *options, "-o", folder / name,
-                  POCL_DEVICES=devices).check(code=0)
-            for file in ("trial.csv", "trial.json", "trial.png"):
-                tap.equal(data(folder, name, file), data(folder, "one", file), f"{name}/{file}")
-
-
-def test_rays_by_a_tolerance():
-    """A finer tolerance takes more rays; a trial with them is that with as many --rays."""
-    program.need_device()
-    with Folder() as folder:
-        path = folder.write("wall.yaml", WALL.replace("time_s: 45", "time_s: 5"))
-        rays = []
-        for tolerance in (0.5, 3):
-            few = ("trial", path, "--runs", 2, "--workers", 1)
-            done = asdic(*few, "--tolerance", tolerance, "-o", folder / "out", "-f").check(code=0)
-            tap.lacks(done.err, "do not keep")
-            rays.append(json.loads(folder.read("out/trial.json"))["rays"])
-            asdic(*few, "--rays", rays[-1], "-o", folder / "same", "-f").check(code=0)
-            tap.equal(data(folder, "same", "trial.csv"), data(folder, "out", "trial.csv"))
-        assert rays[0] > rays[1] >= 1024, rays
-        # Where the bottom is in the way, too: from 30 m on it is above the vehicle.
-        rise = "".join(("5 " if north_m > 30 else "20 ") * 3 + "\n" for north_m in range(90, -20, -10))
-        folder.write("rise.asc", "ncols 3\nnrows 11\nxllcorner -15\nyllcorner -15\ncellsize 10\n" + rise)
-        path = folder.write("rise.yaml", WALL.replace("depth_m: 20", "grid: {file: rise.asc, values: depths}")
-                            .replace("[60, 0, 10]", "[200, 0, 10]").replace("time_s: 45", "time_s: 5"))
-        asdic("trial", path, "--runs", 2, "--tolerance", 3, "-o", folder / "rise").check(code=0)
-        done = asdic("trial", path, "--rays", 500, "--tolerance", 1, "-o", folder / "x").check(code=2)
-        tap.contains(done.err, "--rays and --tolerance exclude each other")
 
 
 def test_detectors_without_mirrors_are_told_of():
@@ -605,213 +396,6 @@ def test_means_are_told_of():
             path = folder.write("wall.yaml", text)
             done = asdic("trial", path, "--runs", 1, *options, "-o", folder / "out", "-f").check(code=0)
             tap.equal(done.err.count("of which none is a false alarm"), warns, done.err)
-
-
-def test_rays_of_its_own_choice():
-    """As few as leave no rough pings: 4,096 for one wide beam, more for a fan of narrow beams and short bins."""
-    program.need_device()
-    fan = ", ".join(f"{{name: b{k}, yaw_deg: {0.4 * (k - 79.5):.1f}, length_h_m: 0.2, length_v_m: 0.02}}"
-                    for k in range(160))
-    quick = WALL.replace("sampling: {rays: 1000}\n", "").replace("time_s: 45", "time_s: 1")
-    fine = quick.replace("bin_length_m: 0.5", "bandwidth_khz: 40\n  bin_length_m: 0.05").replace(
-        "{name: forward, length_h_m: 0.05, length_v_m: 0.05}", fan)
-    with Folder() as folder:
-        found = []
-        for name, text in (("one", quick), ("fan", fine)):
-            asdic("trial", folder.write(name + ".yaml", text), "--runs", 1, "--replay", 0, "-o",
-                  folder / name).check(code=0)
-            facts = json.loads(folder.read(name + "/run.json"))
-            found.append((facts["rays"], facts["stderr_db"]["rms"]))
-        print("# rays, stated error:", found)
-        tap.equal(found[0][0], 4096)
-        tap.equal(found[1][0] in (8192, 16384, 32768, 65536) and found[1][1] < 1.6, True, f"{found}")
-
-
-def test_several_processes():
-    if os.environ["ASDIC_MPI"] != "1" or not shutil.which("mpirun"):
-        raise tap.Skip("no MPI")
-    root = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
-    with Folder() as folder:
-        path = folder.write("wall.yaml", IDEAL.replace("PD", "0.1"))
-        asdic("trial", path, "--runs", 11, "-o", folder / "alone").check(code=0)
-        done = subprocess.run(["mpirun", "-n", "3", "--bind-to", "none", "--oversubscribe", program.PATH,
-                               "trial", path, "--runs", "11", "-o", folder / "team"], check=False,
-                              capture_output=True, timeout=100, env=program.environment(root))
-        tap.equal(done.returncode, 0, done.stderr)
-        for name in ("trial.csv", "trial.json", "trial.png"):
-            tap.equal(data(folder, "team", name), data(folder, "alone", name), name)
-        tap.equal(sorted(os.listdir(folder / "team")), ["trial.csv", "trial.json", "trial.png"])
-        # A run again is one process's: the others, here in a folder of their own, write nothing.
-        os.mkdir(folder / "other")
-        apart = f'cd {folder.path} && test "$OMPI_COMM_WORLD_RANK" = 0 || cd other; exec {program.PATH} "$@"'
-        done = subprocess.run(["mpirun", "-n", "2", "--bind-to", "none", "--oversubscribe", "sh", "-c", apart, "sh",
-                               "trial", path, "--replay", "3", "-o", "again"], check=False,
-                              capture_output=True, timeout=100, env=program.environment(root))
-        tap.equal(done.returncode, 0, done.stderr)
-        tap.equal((os.path.exists(folder / "again/track.csv"), os.listdir(folder / "other")), (True, []))
-
-
-def test_changed_files_are_another_trial():
-    """A mesh, or a sonar that only some runs draw, or a design has: rows of the one are not those of the other."""
-    with Folder() as folder:
-        sides = ("v 0 0 0\nv 0 9 0\nv 0 9 9\nf 1 2 3\n", "v 0 0 0\nv 0 8 0\nv 0 8 8\nf 1 2 3\n")
-        sonar = "{frequency_khz: %d, ping_rate_hz: 1, receivers: [{name: a}]}\n"
-        scene = IDEAL.replace("PD", "0.1").replace("box: {size_m: [2, 400, 40]}", "mesh: {file: wall.obj}")
-        scene += "  draws: [{key: sonar.file, choice: [a.yaml, b.yaml]}]\n"
-        path = folder.write("wall.yaml", scene)
-        before = {"wall.obj": sides[0], "other.obj": sides[0], "a.yaml": sonar % 100, "b.yaml": sonar % 100}
-        after = {"wall.obj": sides[1], "other.obj": sides[1], "a.yaml": sonar % 200, "b.yaml": sonar % 200}
-        for name, text in before.items():
-            folder.write(name, text)
-        command = ("trial", path, "--runs", 4, "--vary", "objects[0].mesh.file=wall.obj,other.obj", "-o",
-                   folder / "out")
-        asdic(*command).check(code=0)
-        asdic(*command, "--resume").check(code=0)
-        for name, text in before.items():
-            folder.write(name, after[name])
-            done = asdic(*command, "--resume").check(code=3)
-            tap.contains(done.err, "holds another trial: scene or its files, seed")
-            folder.write(name, text)
-        asdic(*command, "--resume").check(code=0)
-
-
-def test_a_scene_edited_meanwhile_is_not_flown_on():
-    """Rows are of one scene; put back it goes on, to the same bytes. A rule edits it in the first run."""
-    program.need_device()
-    with Folder() as folder:
-        text = WALL.replace("time_s: 45", "time_s: 3")
-        path = folder.write("wall.yaml", text)
-        folder.write("rule.py", f"""
-import sys
-for line in sys.stdin:
-    with open({folder / "then.yaml"!r}, encoding="ascii") as then, open({path!r}, "w", encoding="ascii") as file:
-        file.write(then.read())
-    print("{{}}", flush=True)
-""")
-        def command(then, out):
-            folder.write("then.yaml", text.replace("time_s: 3", then))
-            return ("trial", path, "--runs", 3, "--workers", 1, "-o", folder / out, "--rule",
-                    f"exec {sys.executable} {folder / 'rule.py'}")
-        done = asdic(*command("time_s: 2", "out")).check(code=3)
-        tap.contains(done.err, "wall.yaml has changed since its trial began")
-        tap.equal(len(data(folder, "out", "trial.part.csv").splitlines()), 2)
-        folder.write("wall.yaml", text)
-        asdic(*command("time_s: 3", "out"), "--resume").check(code=0)
-        asdic(*command("time_s: 3", "whole")).check(code=0)
-        tap.equal(data(folder, "out", "trial.csv"), data(folder, "whole", "trial.csv"))
-
-
-RULE = """
-import json, sys
-for line in sys.stdin:
-    ping = json.loads(line)
-    near = [d for d in ping["detections"] if d["range_m"] <= 20]
-    ACT
-"""
-
-
-def with_rule(folder, act, *options, runs=2, code=0, **env):
-    """By one worker: each has a simulator of its own to set up."""
-    rule = folder.write("rule.py", RULE.replace("ACT", act))
-    scene = folder.write("wall.yaml", WALL.replace("time_s: 45", "time_s: 30"))
-    workers = () if "--replay" in options else ("--workers", 1)
-    return asdic("trial", scene, "--runs", runs, *workers, "-o", folder / "out", "-f", "--rule",
-                 f"exec {sys.executable} -u {rule}", *options, **env).check(code=code)
-
-
-def test_a_rule_of_another_program():
-    """It may do as the scene's rule does, and what it orders is flown."""
-    program.need_device()
-    with Folder() as folder:
-        with_rule(folder, 'print("{}")')
-        tap.equal([row["manoeuvres"] for row in rows(folder)], ["0", "0"])
-        # Its first orders are seen again.
-        act = 'print(json.dumps({"yaw_deg": 90} if ping["ping"] >= 10 else {}))'
-        with_rule(folder, act, "--replay", "1", runs=2)
-        with open(folder / "out/track.csv", encoding="utf-8") as file:
-            track = list(csv.DictReader(file))
-        yaws = [float(row["yaw_deg"]) for row in track]
-        tap.equal((len(track), yaws[:11], 80 < yaws[-1] < 91), (30, 11 * [0.0], True), f"{yaws}")
-        with_rule(folder, 'print(json.dumps({"yaw_deg": 150} if ping["ping"] >= 10 else {}))')
-        for row in rows(folder):
-            tap.equal((row["manoeuvres"], row["needless"], row["outcome"]), ("1", "1", "late"))
-
-
-def test_another_rule_is_another_trial():
-    """Also that of another program, or of one with other arguments: what it flew is not another's rest, nor its part."""
-    program.need_device()
-    with Folder() as folder:
-        rule = f"exec {sys.executable} -u {folder.write('rule.py', RULE.replace('ACT', 'print(json.dumps({}))'))}"
-        scene = folder.write("wall.yaml", WALL.replace("time_s: 45", "time_s: 2"))
-
-        def command(*options):
-            return asdic("trial", scene, "--runs", 2, "--workers", 1, *options)
-
-        command("--rule", f"{rule} a", "-o", folder / "out").check(code=0)
-        tap.equal(json.loads(folder.read("out/trial.json"))["command"], f"{rule} a")
-        command("--rule", f"{rule} a", "-o", folder / "out", "--resume").check(code=0)
-        for options in ("--rule", f"{rule} b"), ():
-            tap.contains(command(*options, "-o", folder / "out", "--resume").check(code=3).err, "holds another trial")
-        for k in "12":
-            command("--rule", f"{rule} {k}", "--shard", f"{k}/2", "-o", folder / k).check(code=0)
-        tap.contains(asdic("merge", folder / "1", folder / "2", "-o", folder / "all").check(code=3).err,
-                     "parts of different trials")
-
-
-# What docs/trials.md says of the rule, from what a program is told.
-FOLLOW = """
-import json, math, sys
-rule, beams = json.loads(sys.argv[1]), json.loads(sys.argv[2])
-for line in sys.stdin:
-    ping = json.loads(line)
-    if ping["ping"] == 0:
-        history, order, until = [], {}, 0
-    near = [d for d in ping["detections"] if d["range_m"] <= rule["reach_m"]
-            and abs(beams[d["beam"]]) <= rule["sector_deg"]
-            and 1 / (1 + math.exp(-d["llr"]) * 0.99 / 0.01) >= rule["posterior"]]
-    history = (history + [len(near) > 0])[-rule["of"]:]
-    if near and sum(history) >= rule["hits"]:
-        side = -1 if beams[max(near, key=lambda d: d["llr"])["beam"]] > 0 else 1
-        if "climb_m" in rule:
-            order = {"z_m": min(order.get("z_m", 1e9), ping["z_m"] - rule["climb_m"])}
-        elif not order or abs(math.remainder(order["yaw_deg"] - ping["yaw_deg"], 360)) < math.degrees(0.1):
-            order = {"yaw_deg": ping["yaw_deg"] + side * rule["turn_deg"]}
-        until = ping["time_s"] + rule["hold_s"]
-    elif ping["time_s"] >= until:
-        order = {}
-    print(json.dumps(order), flush=True)
-"""
-
-
-def test_a_program_that_keeps_the_scenes_rule_flies_as_it():
-    """Ping by ping: reach, sector, posterior, hits, the side to turn to, how long to hold, and back to the waypoints."""
-    program.need_device()
-    beams = {"port": -30, "ahead": 0, "starboard": 30}
-    rules = ({"turn_deg": 40, "reach_m": 20, "sector_deg": 180, "posterior": 0.02, "hits": 2, "of": 3, "hold_s": 3.5},
-             {"turn_deg": 70, "reach_m": 30, "sector_deg": 20, "posterior": 0.05, "hits": 1, "of": 1, "hold_s": 2.5},
-             {"climb_m": 1.5, "reach_m": 25, "sector_deg": 30, "posterior": 0.03, "hits": 3, "of": 6, "hold_s": 4.5})
-    fans = ", ".join(f"{{name: {name}, yaw_deg: {yaw}, length_h_m: 0.05, length_v_m: 0.05}}" for name, yaw in beams.items())
-    scene = WALL.replace("[{name: forward, length_h_m: 0.05, length_v_m: 0.05}]", f"[{fans}]").replace(
-        "pfa: 1.0e-4", "pfa: 0.01").replace("speckle:", "bandwidth_khz: 1.5\n  speckle:").replace(
-        "depth_m: 20", "depth_m: 200").replace("[0, 0, 10], [100, 0, 10]", "[0, 0, 60], [100, 0, 60]").replace(
-        "[60, 0, 10]", "[60, 0, 60]").replace("source_level_db: 200", "source_level_db: 154")
-    columns = ("outcome", "what", "pings", "manoeuvres", "needless")
-    manoeuvres = 0
-    for rule in rules:
-        with Folder() as folder:
-            what = "manoeuvre: " + ("climb" if "climb_m" in rule else "turn") + ", "
-            own = what + ", ".join(f"{key}: {value}" for key, value in rule.items())
-            path = folder.write("own.yaml", scene.replace("manoeuvre: turn, turn_deg: 150, reach_m: 20, hold_s: 1000", own))
-            other = folder.write("follow.py", FOLLOW)
-            fly(folder, path, 6)
-            wanted = rows(folder)
-            fly(folder, path, 6, "--rule", f"exec {sys.executable} {other} '{json.dumps(rule)}' '{json.dumps(beams)}'")
-            for a, b in zip(wanted, rows(folder)):
-                tap.equal([b[c] for c in columns], [a[c] for c in columns], f"{rule}: {a}")
-                for column in "time_s", "distance_m", "clearance_m":
-                    tap.equal(abs(float(a[column]) - float(b[column])) < 1e-6, True, f"{rule}: {a}, {b}")
-                manoeuvres += int(a["manoeuvres"])
-    tap.equal(manoeuvres > 30, True, f"{manoeuvres} manoeuvres")
 
 
 def test_without_a_limit_a_run_may_take_thrice_its_way():
@@ -861,97 +445,6 @@ trial: {time_s: 7, rule: {manoeuvre: turn, reach_m: 15, sector_deg: SECTOR}}
             with open(folder / "run/track.csv", encoding="utf-8") as file:
                 yaws_deg = [float(row["yaw_deg"]) for row in csv.DictReader(file)]
             tap.equal((yaws_deg[-1] > 5) - (yaws_deg[-1] < -5), side, f"ball at {place}: {yaws_deg}")
-
-
-def test_rules_that_fail_are_counted():
-    program.need_device()
-    with Folder() as folder:
-        for act, sentence in (("sys.exit(3)", "the rule ended with code 3 without an answer"),
-                              ("import os; os.kill(os.getpid(), 9)", "the rule was ended by signal 9"),
-                              ('print("starboard")', "the rule answered 'starboard': column 1"),
-                              ('print(json.dumps({"z_m": -3}))', "z_m = -3, out of range"),
-                              ('print(json.dumps({"pitch_deg": 4}))', "asks for pitch_deg; it can ask for z_m and"),
-                              ('print("{" + 2000 * " " + "}")', "longer than 1023 characters"),
-                              ('print("{}\\n{}")', "answered a ping with more than a line"),
-                              ("import time; time.sleep(60)", "did not answer within 0.5 s")):
-            done = with_rule(folder, act, "--rule-timeout", "5" if "sleep" not in act else "0.5", code=1)
-            tap.contains(done.err, sentence)
-            tap.contains(done.err, "the rule failed in 2 runs")
-            # They end where they begin, or a ping after one answer: 10 m above the bottom, less the hull.
-            for row in rows(folder):
-                tap.equal((row["outcome"], row["distance_m"]), ("broken", "1.5" if 'print("{}' in act else "0"), act)
-                tap.equal(abs(float(row["clearance_m"]) - (10 - HULL)) < 1e-6, True, row["clearance_m"])
-        # One that ends after an answer, when nobody reads the next ping.
-        done = with_rule(folder, 'import os, time; os.close(0); print("{}"); time.sleep(0.2); os._exit(4)', code=1)
-        tap.contains(done.err, "the rule ended with code 4 without an answer")
-        tap.equal([row["outcome"] for row in rows(folder)], ["broken", "broken"])
-        # What fails in one run is begun anew for the next.
-        fails = folder / "failed"
-        with_rule(folder, f'import os; again = os.path.exists({fails!r}); open({fails!r}, "w").close(); '
-                  'print("{}" if again else "x")', code=1)
-        tap.equal([row["outcome"] for row in rows(folder)], ["broken", "late"])
-
-
-def test_a_rule_ends_with_the_program():
-    """At a second Ctrl-C, too, where it and what it started do not read, and would not notice."""
-    program.need_device()
-    with Folder() as folder:
-        scene = folder.write("wall.yaml", WALL)
-        rule = f"echo $$ >{folder / 'pid'}; sleep 300; echo '{{}}'"
-        job = subprocess.Popen([program.PATH, "trial", scene, "--runs", "1", "-o", folder / "out", "--rule", rule,
-                                "--rule-timeout", "200"], stderr=subprocess.DEVNULL)
-        end = time.monotonic() + 60
-        while time.monotonic() < end and not (os.path.exists(folder / "pid") and folder.read("pid").strip()):
-            time.sleep(0.05)
-        group = int(folder.read("pid"))
-        for _ in range(2):
-            job.send_signal(signal.SIGINT)
-            time.sleep(0.3)
-        tap.equal(job.wait(timeout=20), -signal.SIGINT)
-        left = [1]
-        while left and time.monotonic() < end:
-            listed = subprocess.run(["ps", "-e", "-o", "pgid=,stat=,args="], capture_output=True, text=True, check=True)
-            left = [line for line in listed.stdout.splitlines()
-                    if int(line.split()[0]) == group and line.split()[1][0] != "Z"]
-            end -= 10
-        for _ in left:
-            os.killpg(group, signal.SIGKILL)
-            break
-        tap.equal(left, [])
-
-
-def test_a_disk_that_is_full_ends_a_trial():
-    """At once, for the reason that there is; what was flown is kept, what it was to replace is not."""
-    with Folder() as folder:
-        path = folder.write("wall.yaml", IDEAL.replace("PD", "0.1"))
-        whole = asdic("trial", path, "--runs", 300, "-o", folder / "whole").check(code=0)
-        asdic("trial", path, "--runs", 3, "-o", folder / "out").check(code=0)
-        done = subprocess.run([program.PATH, "trial", path, "--runs", "300", "-o", folder / "out", "--force"],
-                              capture_output=True, text=True, check=False, preexec_fn=lambda: resource.setrlimit(
-                                  resource.RLIMIT_FSIZE, (6000, 6000)))  # fmt: skip
-        tap.equal(done.returncode, 1, done.stderr)
-        tap.contains(done.stderr, "error: cannot write 'trial.part.csv': File too large")
-        with open(folder / "out/trial.part.csv", "rb") as file:
-            tap.equal(len(file.read()), 6000, "what is kept")
-        asdic("trial", path, "--runs", 300, "-o", folder / "out", "--resume").check(code=0)
-        tap.equal(folder.read("out/trial.csv") == folder.read("whole/trial.csv"), True, whole.err)
-
-
-def test_a_disk_that_is_full_at_the_end_loses_no_run():
-    """Not even where nothing but trial.json has no room any more."""
-    with Folder() as folder:
-        path = folder.write("wall.yaml", IDEAL.replace("PD", "0.1"))
-        asdic("trial", path, "--runs", 9, "-o", folder / "whole").check(code=0)
-        os.makedirs(folder / "out/trial.json.part")
-        done = asdic("trial", path, "--runs", 9, "-o", folder / "out").check(code=1)
-        tap.contains(done.err, "cannot write")
-        with open(folder / "out/trial.part.csv", "rb") as file:
-            tap.equal(file.read(), data(folder, "whole", "trial.csv"), "what is kept")
-        os.rmdir(folder / "out/trial.json.part")
-        asdic("trial", path, "--runs", 9, "-o", folder / "out", "--resume").check(code=0)
-        tap.equal(sorted(os.listdir(folder / "out")), sorted(os.listdir(folder / "whole")))
-        for name in ("trial.csv", "trial.json"):
-            tap.equal(data(folder, "out", name), data(folder, "whole", name), name)
 
 
 def test_draws_into_the_bottom_are_counted():
