@@ -3,6 +3,7 @@
  * they say.
  */
 #include "asserts.h"
+#include "decoded.h"
 
 #include "out/draw.h"
 #include "out/overview.h"
@@ -10,7 +11,6 @@
 #include <asdic/asdic.h>
 
 #include <math.h>
-#include <png.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -36,25 +36,6 @@ static int tear_down(void **state) {
     (void)state;
     asdic_context_destroy(&ctx);
     return rmdir(folder); /* fails when a test or the library left something behind */
-}
-
-/* Decodes and deletes; the caller frees. */
-static uint8_t *decode(const char *path, uint32_t format, size_t *width, size_t *height) {
-    png_image image = {.version = PNG_IMAGE_VERSION};
-    assert_true(png_image_begin_read_from_file(&image, path));
-    image.format = format;
-    uint8_t *pixels = malloc(PNG_IMAGE_SIZE(image));
-    assert_non_null(pixels);
-    assert_true(png_image_finish_read(&image, NULL, pixels, 0, NULL));
-    *width = image.width;
-    *height = image.height;
-    assert_int_equal(unlink(path), 0);
-    return pixels;
-}
-
-static uint32_t pixel(const uint8_t *rgb, size_t width, size_t x, size_t y) {
-    const uint8_t *p = rgb + 3 * (y * width + x);
-    return (uint32_t)p[0] << 16 | (uint32_t)p[1] << 8 | p[2];
 }
 
 /* 8 x 2 levels: a ramp through and beyond the window, and two that are no energy. */
