@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-/* "f_khz [0.1, 1000]", "variant=corrected|printed". */
+/* "f_khz [0.1, 3000]", "variant=corrected|printed". */
 static void print_key(const asdic_model_key *key) {
     printf("    %s%s%s%s", key->name, key->required ? "" : " (optional)", key->words ? " " : "",
            key->words ? key->words : "");

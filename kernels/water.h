@@ -21,7 +21,8 @@ FORMULA real sound_speed_francois_garrison_mps(real t_degc, real s_ppt, real z_m
 
 /* The three terms below add up to the absorption of Francois & Garrison, J. Acoust. Soc. Am. 72,
  * 896 and 1879 (1982), dB/km one way. Stated accuracy 5 % for 10..500 kHz, -2..22 degC,
- * 30..35 ppt, 0..3500 m; used for 0.2..1000 kHz. Z_M is the depth of the path. */
+ * 30..35 ppt, 0..3500 m; used for 0.2..1000 kHz, and as pure water's square of the frequency up to
+ * 3 MHz. Z_M is the depth of the path. */
 
 /* One relaxation, A P f0 f^2 / (f0^2 + f^2), with f0 = 0 (fresh water) allowed. */
 FORMULA real absorption_relaxation(real strength, real f0_khz, real f_khz) {

@@ -16,7 +16,11 @@ SOUND_SPEED_MPS = 1490.1
 ASSUMED = 'assumed'
 BLUEPRINT = 'Blueprint Subsea, Oculus M-series data sheet DA-148-P01443-10, as quoted by others'
 LIBOCULUS = 'University of Washington, liboculus, Constants.h (beam widths by model and frequency)'
+RTAC = 'ENSTA Bretagne, rtac_simulation, blueprint_oculus.cpp (0.4 degrees over 80 at 2.1 MHz)'
 CHOI = 'Choi et al. 2021, Frontiers in Robotics and AI 8:706646; nps_uw_multibeam_sonar (the P900-45)'
+
+# Sonars that see a few metres have the scene at a SCALE, and a bottom whose law knows no frequency.
+CLOSE_BOTTOM = 'lambert_db: -25'
 
 # Each value is (number, source): a source is the number of a line of 'sources', or ASSUMED.
 FANS = [
@@ -33,12 +37,13 @@ FANS = [
              'shows how a table of beams is written.'],
          khz=(750, 1), beams=(512, 1), sector=(130, 1), wide=(1, 2), high=(20, 1),
          resolution=(0.004, 1), rate=15, bin=0.1),
-    dict(title='Oculus M1200d, low frequency', name='m1200d', sources=[BLUEPRINT, LIBOCULUS], remarks=[
-             'The sonar works at 1.2 MHz, but absorption and bottom law end at 1 MHz, at which this file',
-             'keeps its beam widths: echoes are then absorbed less, by about 0.12 dB per metre and way. The',
-             '2.1 MHz mode is beyond the model.'],
-         khz=(1000, '1.2 MHz: [1]'), beams=(512, 1), sector=(130, 1), wide=(0.6, 2), high=(20, 1),
-         resolution=(0.0025, 1), rate=20, bin=0.05),
+    dict(title='Oculus M1200d, low frequency', name='m1200d', sources=[BLUEPRINT, LIBOCULUS],
+         remarks=['Its 2.1 MHz mode: m1200d_high.yaml.'],
+         khz=(1200, 1), beams=(512, 1), sector=(130, 1), wide=(0.6, 2), high=(20, 1),
+         resolution=(0.0025, 1), rate=20, bin=0.05, rays=400000),
+    dict(title='Oculus M1200d, high frequency', name='m1200d_high', sources=[BLUEPRINT, LIBOCULUS, RTAC], remarks=[],
+         khz=(2100, 2), beams=(512, 1), sector=(80, 3), wide=(0.4, 2), high=(12, 2), resolution=(0.0025, 1), rate=74,
+         bin=0.02, blanking=0.2, scale=0.3, bottom=CLOSE_BOTTOM),
     dict(title='Gemini 720is', name='gemini720', sources=[
              'Tritech, Gemini 720is product manual 0703-SOM-00002, issues 1 and 7',
              'Tritech, Gemini 720is data sheet 0703-SOM-00001, issues 11 and 15, as quoted by others'],
@@ -49,8 +54,8 @@ FANS = [
              'Sound Metrics, www.soundmetrics.com/SONAR101/resolution.html, "DIDSON Resolution"',
              'BCO-DMO, www.bco-dmo.org/instrument/892128, "Dual Frequency Identification Sonar"',
              'Belcher et al. 2002, Oceans (1.0 MHz in early units, 1.1 MHz later)'],
-         remarks=['An ideal aperture stands for the lens. The identification mode, 1.8 MHz, is beyond the',
-                  'bottom law.'],
+         remarks=['An ideal aperture stands for the lens. The identification mode, 1.8 MHz, has 96 beams 0.3 degrees',
+                  'apart and as wide [1].'],
          khz=(1000, 3), beams=(48, 1), sector=(28.8, '48 beams, 0.6 degrees apart: [1]'), wide=(0.4, 1),
          high=(14, 2), resolution=(0.04, ASSUMED), rate=20, bin=0.1),
     dict(title='ARIS Explorer 1200, low frequency', name='aris1200', sources=[
@@ -61,6 +66,14 @@ FANS = [
          khz=(700, ASSUMED), beams=(48, 1), sector=(28, 1), wide=(0.8, ASSUMED), high=(14, ASSUMED),
          resolution=(0.02, ASSUMED), rate=20, bin=0.1,
          bearing=lambda u: 16.432 * u - 3.548 * u**3 + 0.910 * u**5),
+    dict(title='ARIS Explorer 3000, high frequency', name='aris3000', sources=[
+             'Sound Metrics, aris-file-sdk, beam-width-metrics/BeamWidths_ARIS3000_128.h',
+             'Ocean Networks Canada, wiki, "ARIS Sonar Data" (3 MHz, 128 beams, 28 x 14 degrees)'],
+         remarks=['Bearings follow 15.169 u - 0.338 u^3 degrees, u = (beam - 63.5) / 64, which meets the table of [1]',
+                  'within 0.07 degrees; the beams there, side by side, are 0.23 degrees wide.'],
+         khz=(3000, 2), beams=(128, 1), sector=(28, 2), wide=(0.23, 1), high=(14, 2), resolution=(0.003, ASSUMED),
+         rate=135, bin=0.01, blanking=0.2, scale=0.18, bottom=CLOSE_BOTTOM,
+         bearing=lambda u: 15.169 * u - 0.338 * u**3),
 ]
 HEADS = [
     dict(title='Blue Robotics Ping360', name='ping360', sources=[
@@ -94,21 +107,21 @@ version: 1
 
 environment: {{temperature_degc: 10, salinity_ppt: 35, wind_speed_kn: 5, particle_density: low}}
 
-bottom: {{depth_m: 10, type: sand}}
+bottom: {{depth_m: 10, {bottom}}}
 
 objects:
   - name: sphere
-    sphere: {{radius_m: 0.3}}
-    position_m: [14, 1, 9.5]
+    sphere: {{radius_m: {radius:g}}}
+    position_m: {sphere}
     material: {{impedance_mrayl: 45, roughness_rms_mm: 1, slope_rms: 0.2}}
   - name: box
-    box: {{size_m: [2, 1.5, 1]}}
-    position_m: [20, -3, 9.5]
+    box: {{size_m: {sides}}}
+    position_m: {box}
     rotation_deg: [0, 0, 20]
     material: {{impedance_mrayl: 8, roughness_rms_mm: 2, slope_rms: 0.3}}
   - name: pile
-    cylinder: {{radius_m: 0.3, length_m: 10}}
-    position_m: [27, 4, 5]
+    cylinder: {{radius_m: {radius:g}, length_m: 10}}
+    position_m: {pile}
     rotation_deg: [90, 0, 0]
     material: {{impedance_mrayl: 45, roughness_rms_mm: 2, slope_rms: 0.3}}
 
@@ -155,7 +168,8 @@ def receivers(fan):
                      for side, name in zip('hv', ('wide', 'high')))
     count = fan['beams'][0]
     bearings = [fan['bearing']((2 * i + 1 - count) / count) for i in range(count)]
-    return [f'  receivers:  # bearings: [1]; {fan["wide"][0]} x {fan["high"][0]} degrees: assumed',
+    sources = ', '.join(dict.fromkeys(cited(fan[name][1]) for name in ('wide', 'high')))
+    return [f'  receivers:  # bearings: [1]; {fan["wide"][0]} x {fan["high"][0]} degrees: {sources}',
             *(f'    - {{yaw_deg: {bearing:.3f}, {size}}}' for bearing in bearings)]
 
 
@@ -171,6 +185,20 @@ def fan_beams(fan):
             *aperture(fan, (fan['sector'][:1] + ('the sector',), fan['high']), '    '), *receivers(fan)]
 
 
+def listed(*numbers):
+    return '[' + ', '.join(f'{number:g}' for number in numbers) + ']'
+
+
+def things(sonar, mission):
+    """What stands on the bottom in 10 m, and MISSION above it, at the sonar's scale."""
+    scale = sonar.get('scale', 1)
+    above, height = f'{10 - 3 * scale:g}]', f'{3 * scale:g} m above'
+    return {'bottom': sonar.get('bottom', 'type: sand'), 'radius': 0.3 * scale,
+            'sphere': listed(14 * scale, scale, 10 - 0.5 * scale), 'sides': listed(2 * scale, 1.5 * scale, scale),
+            'box': listed(20 * scale, -3 * scale, 10 - 0.5 * scale), 'pile': listed(27 * scale, 4 * scale, 5),
+            'mission': mission.replace('7]', above).replace('3 m above', height)}
+
+
 def write(sonar, beams, mission, rays):
     resolution, source = sonar['resolution']
     remarks = [f'[{i}] {text}' for i, text in enumerate(sonar['sources'], 1)] + sonar['remarks']
@@ -179,17 +207,17 @@ def write(sonar, beams, mission, rays):
  f'{1000 * resolution:g} mm: {cited(source)}'),
              noted(f'  ping_rate_hz: {sonar["rate"]}', f'for a range of {SOUND_SPEED_MPS / 2 / sonar["rate"]:.0f} m'),
              noted('  source_level_db: 200', 'assumed: not published'),
-             noted(f'  bin_length_m: {sonar["bin"]}', 'a choice'), '  blanking_m: 0.5', *beams]
+             noted(f'  bin_length_m: {sonar["bin"]}', 'a choice'), f'  blanking_m: {sonar.get("blanking", 0.5)}', *beams]
     with open(place.path('sonars', f'{sonar["name"]}.yaml'), 'w', encoding='ascii') as out:
         out.write(SONAR.format(title=sonar['title'], name=sonar['name'], remarks=''.join(f'# {line}\n' for line in remarks),
                                sonar='\n'.join(line.removeprefix('  ') for line in lines)))
     with open(place.path('scenes', f'sonar_{sonar["name"]}.yaml'), 'w', encoding='ascii') as out:
-        out.write(SCENE.format(title=sonar['title'], name=sonar['name'], mission=mission, rays=rays))
+        out.write(SCENE.format(title=sonar['title'], name=sonar['name'], rays=rays, **things(sonar, mission)))
 
 
 def main():
     for fan in FANS:
-        write(fan, fan_beams(fan), POSE_LEVEL if 'pitch' in fan else POSE, 200000)
+        write(fan, fan_beams(fan), POSE_LEVEL if 'pitch' in fan else POSE, fan.get('rays', 200000))
     for head in HEADS:
         write(head, head_beams(head), POSE_LEVEL, 20000)
 

@@ -15,7 +15,10 @@
         .name = key, .numeric = true, .required = true, .min = lo, .max = hi,                      \
         .valid_min = valid_lo, .valid_max = valid_hi                                               \
     }
-#define LAW_F_KHZ(valid_lo, valid_hi) LAW_SITUATION("f_khz", 0.1, 1000.0, valid_lo, valid_hi)
+/* As high as imaging sonars go; from 3162 kHz on the SEARAY bottom would put mud above rock. */
+#define ASDIC_MOST_KHZ 3000.0
+#define LAW_F_KHZ(valid_lo, valid_hi)                                                              \
+    LAW_SITUATION("f_khz", 0.1, ASDIC_MOST_KHZ, valid_lo, valid_hi)
 #define LAW_C_MPS LAW_SITUATION("c_mps", 1300.0, 1700.0, 1300.0, 1700.0)
 #define LAW_GRAZING LAW_SITUATION("grazing_deg", 0.0, 90.0, 0.0, 90.0)
 

@@ -125,7 +125,7 @@ const asdic_law asdic_law_rough_facet = {
                          .unit = "m2",
                          .doc = "flat area that reflects in phase; else of each flat patch of the "
                                 "mesh its own"},
-               LAW_F_KHZ(0.1, 1000.0),
+               LAW_F_KHZ(0.1, ASDIC_MOST_KHZ),
                LAW_C_MPS,
                LAW_GRAZING}},
     .prepare = prepare,

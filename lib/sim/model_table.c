@@ -1,5 +1,7 @@
 #include "model_table.h"
 
+#include "laws/keys.h"
+
 #include "../../kernels/formulas.h"
 
 #include <string.h>
@@ -19,7 +21,7 @@
 #define CHOICE(key, list, count, must)                                                             \
     { .name = key, .words = list, .required = must, .max = count - 1, .valid_max = count - 1 }
 
-#define F_KHZ(valid_lo, valid_hi) NEEDED("f_khz", 0.1, 1000.0, valid_lo, valid_hi)
+#define F_KHZ(valid_lo, valid_hi) NEEDED("f_khz", 0.1, ASDIC_MOST_KHZ, valid_lo, valid_hi)
 #define C_MPS NEEDED("c_mps", 1300.0, 1700.0, 1300.0, 1700.0)
 #define WIND_KN OPTIONAL("wind_kn", 10.0, 0.0, 60.0)
 #define SHIPPING OPTIONAL("shipping", 0.5, 0.0, 1.0)
@@ -57,7 +59,7 @@ static const asdic_model_info formulas[] = {
                                  "et al., eq. (2)",
                                  3,
                                  {NEEDED("d_m", 1e-3, 1e6, 1e-3, 1e6),
-                                  NEEDED("alpha_db_per_km", 0.0, 2000.0, 0.0, 2000.0),
+                                  NEEDED("alpha_db_per_km", 0.0, 1e4, 0.0, 1e4),
                                   CHOICE("variant", "corrected|printed|two-way", 3, false)}},
     [MODEL_BEAM_PATTERN] = {"beam-pattern",
                             "dB",
@@ -96,14 +98,18 @@ static const asdic_model_info formulas[] = {
                                COATES,
                                2,
                                {F_KHZ(0.1, 1000.0), WIND_KN}},
-    [MODEL_NOISE_THERMAL] =
-        {"noise-thermal", "dB", "thermal noise re 1 uPa^2/Hz", COATES, 1, {F_KHZ(0.1, 1000.0)}},
+    [MODEL_NOISE_THERMAL] = {"noise-thermal",
+                             "dB",
+                             "thermal noise re 1 uPa^2/Hz",
+                             COATES,
+                             1,
+                             {F_KHZ(0.1, ASDIC_MOST_KHZ)}},
     [MODEL_NOISE] = {"noise",
                      "dB",
                      "ambient noise in a band re 1 uPa^2 (per hertz without bandwidth_hz)",
                      COATES,
                      4,
-                     {F_KHZ(0.1, 1000.0), SHIPPING, WIND_KN,
+                     {F_KHZ(0.1, ASDIC_MOST_KHZ), SHIPPING, WIND_KN,
                       OPTIONAL("bandwidth_hz", 1.0, 1e-3, 1e6)}},
     [MODEL_RANGE_RESOLUTION] = {"range-resolution",
                                 "m",
@@ -127,7 +133,7 @@ static const asdic_model_info formulas[] = {
          {CHOICE("shape", "sphere|cylinder|plate|disc", 4, true),
           OPTIONAL("radius_m", NAN, 1e-4, 1e4), OPTIONAL("length_m", NAN, 1e-4, 1e4),
           OPTIONAL("width_m", NAN, 1e-4, 1e4), OPTIONAL("height_m", NAN, 1e-4, 1e4),
-          OPTIONAL("f_khz", NAN, 0.1, 1000.0), OPTIONAL("c_mps", 1500.0, 1300.0, 1700.0)}},
+          OPTIONAL("f_khz", NAN, 0.1, ASDIC_MOST_KHZ), OPTIONAL("c_mps", 1500.0, 1300.0, 1700.0)}},
     [MODEL_FACET_STRENGTH] =
         {"facet-strength",
          "dB",
@@ -136,7 +142,7 @@ static const asdic_model_info formulas[] = {
          "Kirchhoff lobe for the coherent share exp(-4 k^2 s^2 cos^2), Lambert "
          "for the rest",
          6,
-         {NEEDED("incidence_deg", 0.0, 90.0, 0.0, 90.0), F_KHZ(0.1, 1000.0), C_MPS,
+         {NEEDED("incidence_deg", 0.0, 90.0, 0.0, 90.0), F_KHZ(0.1, ASDIC_MOST_KHZ), C_MPS,
           NEEDED("roughness_rms_m", 0.0, 1.0, 0.0, 1.0), NEEDED("slope_ms", 1e-9, 1.0, 1e-9, 0.1),
           NEEDED("reflection", -1.0, 1.0, -1.0, 1.0)}},
     [MODEL_PFA] = {"pfa",

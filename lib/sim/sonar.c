@@ -3,6 +3,7 @@
 #include "base/context.h"
 #include "base/try.h"
 #include "base/vec.h"
+#include "laws/keys.h"
 
 #include "../../kernels/water.h"
 
@@ -88,7 +89,7 @@ asdic_status asdic_sonar_check(asdic_context *ctx, const asdic_sonar *sonar) {
         return asdic_fail_null(ctx, __func__);
     }
     const sonar_field fields[] = {
-        {"frequency_hz", "Hz", sonar->frequency_hz, 100.0, 1e6},
+        {"frequency_hz", "Hz", sonar->frequency_hz, 100.0, 1e3 * ASDIC_MOST_KHZ},
         {"bandwidth_hz", "Hz", sonar->bandwidth_hz, 1.0, 1e6},
         {"ping_rate_hz", "Hz", sonar->ping_rate_hz, 0.01, 1000.0},
         {"source_level_db", "dB", sonar->source_level_db, -300.0, 300.0},

@@ -118,7 +118,7 @@ def test_every_error_in_one_run():
         tap.contains(lines[0], "missing.obj")
         tap.contains(lines[0], "  [bottom.mesh.file]")
         tap.equal(lines[1], "s.yaml:4:18: error: 'frequency_khz' = 9000 is out of range "
-                            "[0.1, 1000] kHz  [sonar.frequency_khz]")
+                            "[0.1, 3000] kHz  [sonar.frequency_khz]")
         tap.contains(lines[2], "s.yaml:5:3: error: unknown key 'frequncy'")
         tap.contains(lines[3], "s.yaml:8:27: error: ")
         tap.contains(lines[3], "none.ply")

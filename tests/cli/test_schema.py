@@ -35,7 +35,7 @@ def test_schema_names_every_part():
     tap.equal(printed["$schema"], "http://json-schema.org/draft-07/schema#")
     tap.equal(printed["required"], ["version", "bottom", "sonar", "mission"])
     frequency = printed["properties"]["sonar"]["properties"]["frequency_khz"]
-    tap.equal((frequency["minimum"], frequency["maximum"]), (0.1, 1000))
+    tap.equal((frequency["minimum"], frequency["maximum"]), (0.1, 3000))
     tap.contains(frequency["description"], "[kHz]")
     tap.equal(printed["properties"]["environment"]["properties"]["ph"]["default"], 8)
     tap.equal(printed["properties"]["output"]["properties"]["images"]["default"],
@@ -57,8 +57,8 @@ def test_examples_are_accepted():
 
 def edits():
     """Changes to the example: a path, a value (None: take it out), and whether that is a scene."""
-    yield ("sonar", "frequency_khz"), 1000, True
-    yield ("sonar", "frequency_khz"), 1000.5, False
+    yield ("sonar", "frequency_khz"), 3000, True
+    yield ("sonar", "frequency_khz"), 3000.5, False
     yield ("sonar", "frequency_khz"), "100", False
     yield ("sonar", "frequency_khz"), None, False
     yield ("sonar", "frequncy_khz"), 3, False

@@ -45,6 +45,7 @@ double hard_on_the_bottom(void);
 double hard_in_the_surface(void);
 double hard_every_attitude(void);
 double hard_narrow_bins(void);
+double hard_absorbed(void);
 double hard_looking_back(void);
 double hard_leaking_back(void);
 

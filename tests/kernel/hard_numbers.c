@@ -8,9 +8,9 @@
 /* Grazing or incidence angles, the ends and their neighbours included. */
 static const double angles_deg[] = {0,  1e-30, 1e-7, 1e-4, 0.01, 0.5,  5,     20,      45,
                                     60, 75,    85,   88.3, 89.5, 89.9, 89.99, 89.9999, 90};
-static const double frequencies_khz[] = {0.1, 1, 10, 100, 1000};
+static const double frequencies_khz[] = {0.1, 1, 10, 100, 1000, 3000};
 
-enum { ANGLES = sizeof angles_deg / sizeof *angles_deg, FREQUENCIES = 5, MOST_POINTS = 8192 };
+enum { ANGLES = sizeof angles_deg / sizeof *angles_deg, FREQUENCIES = 6, MOST_POINTS = 8192 };
 
 typedef struct points {
     double keys[MOST_POINTS * ASDIC_MODEL_MAX_KEYS], host[MOST_POINTS], device[MOST_POINTS];

@@ -135,6 +135,15 @@ double hard_narrow_bins(void) {
     return compare(&r, ASDIC_TOTAL, ALL_BINS).rms_db;
 }
 
+/* Faces as many wavelengths wide as at 100 kHz. */
+double hard_absorbed(void) {
+    ping_rig r = one_beam(7.0, 0.0);
+    r.sonar.frequency_hz = 3e6;
+    r.sonar.transmitter.length_h_m = r.sonar.transmitter.length_v_m = 0.05 / 30.0;
+    r.receivers[0].length_h_m = r.receivers[0].length_v_m = 0.05 / 30.0;
+    return compare(&r, ASDIC_TOTAL, ALL_BINS).rms_db;
+}
+
 /* The worst of receivers that look where nothing is sent. */
 static double worst_looking_back(double rear_floor_db) {
     static const double aims_deg[][4] = {/* the transmitter's yaw and pitch, the receiver's */

@@ -16,7 +16,7 @@ typedef struct hard_case {
 } hard_case;
 
 static const hard_case numbers[] = {
-    {"bottom law, 0 to 90 degrees, 0.1 to 1000 kHz, on the device", hard_bottom_law, 1e-3, "dB"},
+    {"bottom law, 0 to 90 degrees, 0.1 to 3000 kHz, on the device", hard_bottom_law, 1e-3, "dB"},
     {"surface law to the zenith, 0 to 40 kn, on the device", hard_surface_law, 1e-3, "dB"},
     {"facet law, 0 to 90 degrees, lobes down to 1e-6", hard_facet_law, 1e-3, "dB"},
     {"beam pattern 1e-4 of a lobe beside its nulls", hard_patterns_beside_nulls, 1e-9,
@@ -51,6 +51,7 @@ static const hard_case planes[] = {
     {"sonar in the surface", hard_in_the_surface, 0.05, "dB"},
     {"any axis: eight attitudes, r.m.s.", hard_every_attitude, 0.05, "dB"},
     {"bins of 0.1 m, r.m.s.", hard_narrow_bins, 0.05, "dB"},
+    {"3 MHz, of which 75 m of water absorb 430 dB, r.m.s.", hard_absorbed, 0.05, "dB"},
     {"receivers that look back, r.m.s.", hard_looking_back, 0.5, "dB"},
     {"the same of faces that leak, r.m.s.", hard_leaking_back, 2.2, "dB"},
 };

@@ -40,7 +40,7 @@ static void unknown_keys_are_answered(void **state) {
 static void ranges_name_value_limit_and_unit(void **state) {
     (void)state;
     expect_edit("frequency_khz: 100", "frequency_khz: 9000",
-                "4:18: error: 'frequency_khz' = 9000 is out of range [0.1, 1000] kHz  "
+                "4:18: error: 'frequency_khz' = 9000 is out of range [0.1, 3000] kHz  "
                 "[sonar.frequency_khz]\n");
     expect_edit("version: 1", "version: 2",
                 "1:10: error: 'version' = 2 is out of range [1, 1]  [version]\n");
@@ -75,7 +75,7 @@ static void numbers_are_plain_decimal(void **state) {
         {"true", "'frequency_khz' = true is not a number"},
         {"1111111111111111111111111111111111111111111111",
          "'frequency_khz' = 1111111111111111111111111111111111111111... is out of range "
-         "[0.1, 1000] kHz"},
+         "[0.1, 3000] kHz"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char to[96], expected[256];
@@ -545,7 +545,7 @@ static void all_errors_come_in_one_run_in_order(void **state) {
                   "[bottom.depth_m]\n"
                   "3:29: error: 'type' = clay is not one of mud, sand, gravel, rock or a number "
                   "in [1, 4]  [bottom.type]\n"
-                  "5:18: error: 'frequency_khz' = 9000 is out of range [0.1, 1000] kHz  "
+                  "5:18: error: 'frequency_khz' = 9000 is out of range [0.1, 3000] kHz  "
                   "[sonar.frequency_khz]\n"
                   "6:27: error: 'pitch_deg' = 1e3 is out of range [-180, 180] deg  "
                   "[sonar.receivers[0].pitch_deg]\n"

@@ -324,7 +324,7 @@ static void decimal_comma_locale_changes_nothing(void **state) {
     locale_t caller = asdic_c_locale_enter();
     char *after = dump_file("example.yaml");
     expect_edit("100\n", "0.05\n",
-                "4:18: error: 'frequency_khz' = 0.05 is out of range [0.1, 1000] kHz  "
+                "4:18: error: 'frequency_khz' = 0.05 is out of range [0.1, 3000] kHz  "
                 "[sonar.frequency_khz]\n");
     asdic_c_locale_leave(caller);
     snprintf(comma, sizeof comma, "%.1f", 0.5);

@@ -182,7 +182,7 @@ static void line_ends_of_all_systems(void **state) {
         }
         expect_errors(text.data, "");
         char *wrong = edited(text.data, "100", "9e9");
-        expect_errors(wrong, "4:18: error: 'frequency_khz' = 9e9 is out of range [0.1, 1000] kHz  "
+        expect_errors(wrong, "4:18: error: 'frequency_khz' = 9e9 is out of range [0.1, 3000] kHz  "
                              "[sonar.frequency_khz]\n");
         free(wrong);
         asdic_text_finish(&text);

@@ -51,7 +51,8 @@ ASDIC_API void asdic_array_weights(const asdic_array *array, double *weights);
 #define ASDIC_SONAR_MAX_BINS 65536
 
 typedef struct asdic_sonar {
-    double frequency_hz, bandwidth_hz;
+    double frequency_hz; /* 100 Hz to 3 MHz */
+    double bandwidth_hz;
     double ping_rate_hz;    /* no echo from beyond c / (2 ping_rate) is received */
     double source_level_db; /* dB re 1 uPa at 1 m, after pulse compression */
     double bin_length_m;

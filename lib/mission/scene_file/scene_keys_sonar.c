@@ -3,6 +3,7 @@
  */
 #include "scene_keys.h"
 
+#include "laws/keys.h"
 #include "mission/track/flight.h"
 
 #include <math.h>
@@ -124,7 +125,7 @@ static const asdic_key sonar_keys[] = {
     {"file", ASDIC_KEY_PATH, SONAR(file),
      .doc = "a file that holds keys of the sonar; those beside it come first, in maps key by key"},
     {"frequency_khz", ASDIC_KEY_NUMBER, ASDIC_KEY_REQUIRED, SONAR(frequency_khz), .unit = "kHz",
-     .min = 0.1, .max = 1000, .unless = "file", .doc = "centre frequency"},
+     .min = 0.1, .max = ASDIC_MOST_KHZ, .unless = "file", .doc = "centre frequency"},
     {"bandwidth_khz", ASDIC_KEY_NUMBER, SONAR(bandwidth_khz), .unit = "kHz", .min = 0.001,
      .max = 1000, .fallback = "10", .doc = "bandwidth; the range resolution is c / (2 bandwidth)"},
     {"ping_rate_hz", ASDIC_KEY_NUMBER, SONAR(ping_rate_hz), .unit = "Hz", .min = 0.01, .max = 1000,
