@@ -17,13 +17,18 @@ double asdic_noise_lin(const asdic_environment *env, const asdic_sonar *sonar,
         return 0.0;
     }
     double f_khz = sonar->frequency_hz / 1e3;
-    double spectrum_db = noise_db(f_khz, env->shipping_density, env->wind_speed_kn);
+    double sea_db = noise_db(f_khz, env->shipping_density, env->wind_speed_kn);
+    double ambient = pow(10.0, 0.1 * noise_band_db(sea_db, sonar->bandwidth_hz));
+    double own = pow(10.0, 0.1 * noise_band_db(sonar->self_noise_db, sonar->bandwidth_hz));
     double cell_m = sound_speed_mps / (2.0 * sonar->bandwidth_hz);
     double cells = sonar->bin_length_m / cell_m; /* less than one, as of an echo, in a short bin */
-    double level = pow(10.0, 0.1 * noise_band_db(spectrum_db, sonar->bandwidth_hz)) * cells;
-    return sonar->noise_directivity
-               ? level / directivity(receiver, sound_speed_mps / sonar->frequency_hz)
-               : level;
+    if (sonar->noise_directivity) {
+        ambient /= directivity(receiver, sound_speed_mps / sonar->frequency_hz);
+    }
+    if (sonar->array.elements > 0) {
+        own /= (double)sonar->array.elements;
+    }
+    return (ambient + own) * cells;
 }
 
 void asdic_noise_levels(const asdic_environment *env, const asdic_sonar *sonar,

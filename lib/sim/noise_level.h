@@ -1,13 +1,17 @@
 /*
  * Noise in a bin: the part of a ping that no ray brings.
+ *
+ * Ambient noise is less in a beam by its directivity index. What the sonar adds itself, mostly in its receivers'
+ * electronics, is not, save in beams of N elements, whose own noise is independent: 1 / N of an element's (R. J.
+ * Urick, Principles of Underwater Sound (1983), chapters 3 and 11). Equal weights are assumed.
  */
 #ifndef ASDIC_SIM_NOISE_LEVEL_H
 #define ASDIC_SIM_NOISE_LEVEL_H
 
 #include <asdic/ping.h>
 
-/* RECEIVER's noise in a bin: ambient level in the band, less the directivity index, summed over the resolution
- * cells of a bin as the echoes are. Zero when switched off. */
+/* RECEIVER's noise in a bin, ambient and the sonar's own: in the band, summed over the resolution cells of a bin as
+ * the echoes are. Zero when switched off. */
 double asdic_noise_lin(const asdic_environment *env, const asdic_sonar *sonar,
                        const asdic_beam *receiver, double sound_speed_mps);
 

@@ -27,6 +27,7 @@ asdic_sonar asdic_sonar_default(void) {
         .speckle = ASDIC_SPECKLE_NONE,
         .speckle_shape = INFINITY,
         .rear_floor_db = -INFINITY,
+        .self_noise_db = -INFINITY,
     };
 }
 
@@ -113,6 +114,11 @@ asdic_status asdic_sonar_check(asdic_context *ctx, const asdic_sonar *sonar) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
                           "sonar: 'rear_floor_db' = %g is above 0 dB re on-axis",
                           sonar->rear_floor_db);
+    }
+    if (!(sonar->self_noise_db <= 300.0)) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                          "sonar: 'self_noise_db' = %g is above 300 dB re 1 uPa^2/Hz",
+                          sonar->self_noise_db);
     }
     if ((unsigned)sonar->speckle > ASDIC_SPECKLE_K) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "sonar: unknown speckle %d",

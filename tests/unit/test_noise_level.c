@@ -71,6 +71,27 @@ static void levels_are_as_by_hand(void **state) {
     }
 }
 
+/* 50 dB re 1 uPa^2 / Hz besides, from wherever beams look; of the 16 elements of a beam a sixteenth. */
+static void the_sonars_own_noise_comes_from_nowhere(void **state) {
+    (void)state;
+    asdic_beam receivers[BEAMS + 1];
+    const asdic_environment env = calm();
+    asdic_sonar sonar = sonar_of(receivers);
+    for (int k = 0; k < 4; k++) {
+        sonar.noise_directivity = k % 2;
+        sonar.array.elements = k / 2 ? 16 : 0;
+        for (size_t b = 0; b < BEAMS; b++) {
+            sonar.self_noise_db = -INFINITY;
+            double ambient = asdic_noise_lin(&env, &sonar, &receivers[b], SPEED_MPS);
+            sonar.self_noise_db = 50.0;
+            double all = asdic_noise_lin(&env, &sonar, &receivers[b], SPEED_MPS);
+            assert_close_relative(all - ambient, 1e5 * BANDWIDTH_HZ / (k / 2 ? 16.0 : 1.0), 1e-9);
+        }
+    }
+    sonar.noise_enabled = false;
+    assert_true(asdic_noise_least_lin(&env, &sonar, SPEED_MPS) == 0.0);
+}
+
 static void every_bin_of_a_beam_has_its_noise(void **state) {
     (void)state;
     enum { BINS = 5 };
@@ -90,6 +111,7 @@ static void every_bin_of_a_beam_has_its_noise(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(levels_are_as_by_hand),
+        cmocka_unit_test(the_sonars_own_noise_comes_from_nowhere),
         cmocka_unit_test(every_bin_of_a_beam_has_its_noise),
     };
     return cmocka_run_group_tests(tests, context_begin, context_end);

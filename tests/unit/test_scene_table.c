@@ -234,6 +234,7 @@ static void defaults_are_the_librarys(void **state) {
     assert_close(sonar.transmitter.pitch_rad, 0, 0);
     assert_int_equal(sonar.noise_enabled, sonar0.noise_enabled);
     assert_int_equal(sonar.noise_directivity, sonar0.noise_directivity);
+    assert_close(sonar.self_noise_db, sonar0.self_noise_db, 0);
     assert_int_equal(sonar.speckle, sonar0.speckle);
     assert_close(sonar.rear_floor_db, sonar0.rear_floor_db, 0);
     assert_int_equal(sonar.receiver_count, 1);

@@ -60,13 +60,15 @@ typedef struct asdic_sonar {
     asdic_beam transmitter;
     const asdic_beam *receivers; /* borrowed: must outlive the call it is passed to */
     size_t receiver_count;       /* 1..4096 */
-    bool noise_enabled;          /* ambient noise in the band, in every bin */
-    bool noise_directivity;      /* less by the receiver's directivity */
+    bool noise_enabled;          /* noise in the band, in every bin: ambient, and the sonar's own */
+    bool noise_directivity;      /* ambient noise less by the receiver's directivity */
     asdic_speckle speckle;
     double speckle_shape; /* of K: nu, 0.05 or more; small is spiky */
     double rear_floor_db; /* leak behind faces, dB re the same angle in front; -INFINITY: none */
     double max_range_m;   /* nothing farther is received; NAN: as far as the ping rate lets */
     asdic_array array;
+    double self_noise_db; /* the sonar's own, at a receiver, of an array at each element: a spectrum
+                             level, dB re 1 uPa^2/Hz, at most 300; -INFINITY: none */
 } asdic_sonar;
 
 /* 100 kHz, 10 kHz, 10 Hz and its range, 0 dB, 0.5 m bins and blanking, 0.05 m apertures, noise on,

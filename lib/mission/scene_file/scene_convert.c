@@ -101,6 +101,7 @@ asdic_sonar asdic_scene_file_sonar(const asdic_scene_file *file) {
                                                  : s->receivers.count,
         .noise_enabled = s->noise.enabled,
         .noise_directivity = s->noise.directivity,
+        .self_noise_db = s->noise.self_db,
         .speckle = (asdic_speckle)s->speckle,
         .speckle_shape = isnan(s->speckle_shape) ? INFINITY : s->speckle_shape,
         .rear_floor_db = s->rear_floor_db,

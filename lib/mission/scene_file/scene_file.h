@@ -160,6 +160,7 @@ typedef struct file_array {
 typedef struct file_noise {
     asdic_yaml_node *node;
     bool enabled, directivity;
+    double self_db; /* -INFINITY: none */
 } file_noise;
 
 typedef struct file_sweep {

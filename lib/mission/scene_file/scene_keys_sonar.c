@@ -106,19 +106,25 @@ static const asdic_key scan_keys[] = {
 static const asdic_table scan_table = {TABLE(scan_keys, file_sweep),
                                        .doc = "a head that turns from ping to ping"};
 
+/* No level at all. */
+static const asdic_word none_words[] = {{"none", -INFINITY}, {NULL, 0}};
+
 static const asdic_key noise_keys[] = {
     {"enabled", ASDIC_KEY_BOOL, AT(file_noise, enabled), .fallback = "true",
-     .doc = "whether ambient noise is added"},
+     .doc = "whether noise is added"},
     {"directivity", ASDIC_KEY_BOOL, AT(file_noise, directivity), .fallback = "true",
-     .doc = "whether the receiver's directivity index is taken off it"},
+     .doc = "whether the receiver's directivity index is taken off ambient noise"},
+    {"self_db", ASDIC_KEY_NUMBER, AT(file_noise, self_db), .unit = "dB re 1 uPa^2/Hz", .min = -100,
+     .max = 300, .words = none_words, .fallback = "none",
+     .doc = "spectrum level of the sonar's own noise at a receiver, of an array at each element"},
 };
-static const asdic_table noise_table = {TABLE(noise_keys, file_noise), .doc = "ambient noise"};
+static const asdic_table noise_table = {TABLE(noise_keys, file_noise),
+                                        .doc = "ambient noise, and the sonar's own"};
 
 static const asdic_word speckle_words[] = {{"none", ASDIC_SPECKLE_NONE},
                                            {"rayleigh", ASDIC_SPECKLE_RAYLEIGH},
                                            {"k", ASDIC_SPECKLE_K},
                                            {NULL, 0}};
-static const asdic_word rear_words[] = {{"none", -INFINITY}, {NULL, 0}};
 
 #define SONAR(member) AT(file_sonar, member)
 static const asdic_key sonar_keys[] = {
@@ -149,13 +155,14 @@ static const asdic_key sonar_keys[] = {
      .doc = "receiving elements on a line, and the beams that are formed of them"},
     {"scan", ASDIC_KEY_MAP, SONAR(scan), .table = &scan_table,
      .doc = "transmitter and receivers turn together from ping to ping, one direction each"},
-    {"noise", ASDIC_KEY_MAP, SONAR(noise), .table = &noise_table, .doc = "ambient noise"},
+    {"noise", ASDIC_KEY_MAP, SONAR(noise), .table = &noise_table,
+     .doc = "ambient noise, and the sonar's own"},
     {"speckle", ASDIC_KEY_WORD, SONAR(speckle), .words = speckle_words, .fallback = "none",
      .doc = "random interference of the echoes in a resolution cell, shared by beams that overlap"},
     {"speckle_shape", ASDIC_KEY_NUMBER, SONAR(speckle_shape), .min = 0.05, .max = 1000,
      .doc = "shape of K-distributed speckle; large is Rayleigh"},
     {"rear_floor_db", ASDIC_KEY_NUMBER, SONAR(rear_floor_db), .unit = "dB", .min = -200, .max = 0,
-     .words = rear_words, .fallback = "none",
+     .words = none_words, .fallback = "none",
      .doc = "what leaks in and out behind the apertures, re the same angle in front"},
 };
 const asdic_table asdic_sonar_table = {TABLE(sonar_keys, file_sonar), .doc = "the sonar"};
