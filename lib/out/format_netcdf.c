@@ -62,7 +62,7 @@ static const label level_names[ASDIC_RECORD_ARRAYS] = {
     [ASDIC_VOLUME] = {"volume_db", "reverberation of the water, dB re 1 uPa"},
     [ASDIC_OBJECT] = {"object_db", "echo of objects, dB re 1 uPa"},
     [ASDIC_MULTIPATH] = {"multipath_db", "echo over a mirror, dB re 1 uPa"},
-    [ASDIC_NOISE] = {"noise_db", "ambient noise, dB re 1 uPa"},
+    [ASDIC_NOISE] = {"noise_db", "noise, dB re 1 uPa"},
     [ASDIC_COMPONENT_COUNT] = {"stderr_db", "one standard error of the sampling of the total, dB"},
 };
 

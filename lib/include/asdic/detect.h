@@ -31,7 +31,7 @@ typedef struct asdic_background {
     double mean_lin;    /* mu0: reverberation and noise, > 0 */
     unsigned looks;     /* 1..1000; a sum of m equal cells is m times a Gamma(m) mean */
     double shape;       /* of K-distributed reverberation, 0.05..1000; INFINITY: Rayleigh */
-    double noise_share; /* of mean_lin, without texture: ambient noise; 0..1, read for K only */
+    double noise_share; /* of mean_lin, without texture: noise; 0..1, read for K only */
 } asdic_background;
 
 /* Looks that SONAR has at a bin, its speckle's shape, and the noise's share of a mean. */
