@@ -560,6 +560,9 @@ def test_tolerance_is_for_a_share_of_the_bins():
             rays[percent] = facts(folder, f"p{percent}")["rays"]
             said = re.search(r"(\d+) rays per ping keep it in ([\d.]+) % of bins", done.err)
             tap.equal((int(said.group(1)), float(said.group(2)) >= percent), (rays[percent], True))
+            rough = re.search(r"(\d+) of (\d+) bins above the noise", done.err)
+            share = int(rough.group(1)) / int(rough.group(2)) if rough else 0
+            tap.equal(abs(float(said.group(2)) - 100 * (1 - share)) < 0.006, True, done.err)
             tap.contains(done.err, "3 pings take about ")
             tap.equal("stay above 0.5 dB; the roughest:\n  ping 0, beam '" in done.err,
                       percent == 50, done.err)
