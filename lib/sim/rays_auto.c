@@ -7,6 +7,10 @@
  *     that mirror    8                       fans of data/sonars in 1.2 to 8 m of calm water 0.11 to 0.55
  *     over meshes    128 a cell to 400,000   5 beams 0.5, 3 beams 0.8
  *                    32 a cell beyond        512 beams 0.5
+ *
+ * Fewer or more rays err over meshes as independent samples do. Over planes rays lie in rows, and the error falls faster:
+ * steeply until every bin has some. Of 70 runs of the sonars of data, 1,000 to 2,000,000 rays, bins as they are and a
+ * quarter as long, 65 state what is expected within a factor of 2.3, the others of 4.6.
  */
 #include <asdic/ping.h>
 
@@ -24,6 +28,12 @@
 #define LEAST_RAYS 20000.0
 #define MOST_RAYS 524288.0
 #define AUTO_DB 0.5
+/* Over planes, of rays in number as for AUTO_DB; how it falls with fewer and with more. */
+#define PLANES_DB 0.3
+#define PLANES_FEWER 1.5
+#define PLANES_MORE 0.75
+#define MIRRORS_TIMES 1.3 /* more, where these mirror */
+#define MOST_DB 6.5       /* bins that few rays meet, or none */
 
 /* Half-power width of an aperture of LENGTH wavelengths, sinc^2 (sin(x) / x = 1 / sqrt 2 at x = 1.3916), at
  * most a half-space. */
@@ -81,8 +91,8 @@ static double apart_in_block(const asdic_sonar *sonar, double wavelength_m, size
     return apart;
 }
 
-/* Rays for AUTO_DB without limits; 0 of no sonar. */
-static double rays_needed(const asdic_sonar *sonar, double sound_speed_mps, asdic_rays_over over) {
+/* Cells that SONAR tells apart; 0 of no sonar. */
+static double cells_of(const asdic_sonar *sonar, double sound_speed_mps) {
     if (!sonar || !(sonar->frequency_hz > 0.0) || !(sound_speed_mps > 0.0)) {
         return 0.0;
     }
@@ -92,7 +102,11 @@ static double rays_needed(const asdic_sonar *sonar, double sound_speed_mps, asdi
         beams += apart_in_block(sonar, sound_speed_mps / sonar->frequency_hz, first,
                                 left < BLOCK ? left : BLOCK);
     }
-    double cells = beams * (double)asdic_sonar_bin_count(sonar, sound_speed_mps);
+    return beams * (double)asdic_sonar_bin_count(sonar, sound_speed_mps);
+}
+
+/* Rays for AUTO_DB, without limits. */
+static double rays_needed(double cells, asdic_rays_over over) {
     switch (over) {
     case ASDIC_OVER_MESHES:
         return fmax(fmin(cells * OVER_MESHES_OF_FEW, MOST_OF_FEW), cells * OVER_MESHES);
@@ -104,15 +118,20 @@ static double rays_needed(const asdic_sonar *sonar, double sound_speed_mps, asdi
 }
 
 uint32_t asdic_rays_auto(const asdic_sonar *sonar, double sound_speed_mps, asdic_rays_over over) {
-    double rays = rays_needed(sonar, sound_speed_mps, over);
+    double rays = rays_needed(cells_of(sonar, sound_speed_mps), over);
     rays = fmin(fmax(rays, LEAST_RAYS), MOST_RAYS);
     double digit =
         pow(10.0, floor(log10(rays)) - 1.0); /* two digits, so that a report reads well */
     return (uint32_t)fmin(ceil(rays / digit) * digit, MOST_RAYS);
 }
 
-/* An error of independent samples falls with the root of their number. */
 double asdic_rays_error_db(const asdic_sonar *sonar, double sound_speed_mps, asdic_rays_over over,
                            uint32_t rays) {
-    return AUTO_DB * sqrt(rays_needed(sonar, sound_speed_mps, over) / fmax(rays, 1.0));
+    double cells = cells_of(sonar, sound_speed_mps), some = fmax(rays, 1.0);
+    if (over == ASDIC_OVER_MESHES) {
+        return fmin(AUTO_DB * sqrt(rays_needed(cells, over) / some), MOST_DB);
+    }
+    double lack = cells * OVER_PLANES / some;
+    double error_db = PLANES_DB * pow(lack, lack > 1.0 ? PLANES_FEWER : PLANES_MORE);
+    return fmin(over == ASDIC_OVER_MIRRORS ? MIRRORS_TIMES * error_db : error_db, MOST_DB);
 }

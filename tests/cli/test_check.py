@@ -9,6 +9,7 @@ import tap
 from program import asdic, need_device
 
 SCENES = pathlib.Path(__file__).parent.parent / "unit" / "scenes"
+DATA = pathlib.Path(__file__).resolve().parents[2] / "data"
 EXAMPLE = SCENES / "example.yaml"
 MINIMAL = """version: 1
 bottom: {depth_m: 12}
@@ -52,7 +53,7 @@ def test_example_is_described():
   pings       1 in 0 s
   beams       1: forward
   bins        149 of 0.5 m, from 0.5 to 74.505 m
-  rays        20000 a ping, for a stated error of about 0.086 dB r.m.s.
+  rays        20000 a ping, for a stated error of about 0.022 dB r.m.s.
   water       1490.1 m/s and 33.57 dB/km at 100 kHz, 7 m deep
   surface     at z = 0
   bottom      flat at z = 12 m
@@ -74,7 +75,7 @@ def test_json_holds_the_same():
 
 def test_errors_are_foretold_of_the_adaptive_sampler_alone():
     # The others err ten times as much and more: no rule tells how much.
-    for sampler, said in (("adaptive", "for a stated error of about 0.12 dB r.m.s."),
+    for sampler, said in (("adaptive", "for a stated error of about 0.036 dB r.m.s."),
                           ("beam", "for an error that 'asdic plan' measures"),
                           ("uniform-sphere", "for an error that 'asdic plan' measures")):
         scene = MINIMAL + f"sampling: {{sampler: {sampler}, rays: 20000}}\n"
@@ -540,6 +541,21 @@ def test_pictures_count_in_the_size():
     one = of("fan", 20, 1)
     tap.equal((one > 10000, of("fan", 20, 40), of("fan", 1, 40)), (True, 2 * one, 0))
     tap.equal((of("overview", 3, 40) > 10000, of("overview", 3, 1), of("plan", 3, 1) > 10000), (True, 0, True))
+
+
+def test_errors_are_foretold():
+    """Of many rays and of few: what check says before a run is within a factor of 2 of what its bins state."""
+    need_device()
+    scene = (DATA / "scenes/sonar_p900.yaml").read_text(encoding="ascii").replace("../sonars", str(DATA / "sonars"))
+    with tempfile.TemporaryDirectory() as folder:
+        path = pathlib.Path(folder, "s.yaml")
+        for rays in 20000, 100000:
+            path.write_text(re.sub("rays: .*", f"rays: {rays}}}", scene) + "output: {csv: none, images: []}\n", encoding="ascii")
+            said = asdic("check", path).check(code=0).out
+            told = float(re.search(r"for a stated error of about ([\d.]+) dB", said)[1])
+            asdic("run", path, "-o", f"{folder}/out", "-f", "-q").check(code=0)
+            stated = json.loads(pathlib.Path(folder, "out/run.json").read_text(encoding="utf-8"))["stderr_db"]["rms"]
+            tap.equal(0.5 < stated / told < 2, True, f"{rays} rays: {told} dB foretold, {stated} stated")
 
 
 tap.main(globals())

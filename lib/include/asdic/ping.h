@@ -77,8 +77,8 @@ typedef enum asdic_rays_over {
 ASDIC_API uint32_t asdic_rays_auto(const asdic_sonar *sonar, double sound_speed_mps,
                                    asdic_rays_over over);
 
-/* The stated error to expect of RAYS a ping, dB r.m.s. in bins above the noise, by the same rule:
- * good to a factor of about 3, without simulating anything. */
+/* The stated error to expect of RAYS a ping, dB r.m.s. in bins above the noise, by the same cells:
+ * mostly good to a factor of 2, without simulating anything; 6.5 dB at most. */
 ASDIC_API double asdic_rays_error_db(const asdic_sonar *sonar, double sound_speed_mps,
                                      asdic_rays_over over, uint32_t rays);
 
