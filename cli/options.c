@@ -102,7 +102,7 @@ static void take(cli *c, int result) {
 
 bool cli_parse(cli *c, int argc, char **argv) {
     struct option rows[CLI_MAX_OPTIONS + 1] = {{0}};
-    char letters[2 * CLI_MAX_OPTIONS + 2] = ":";
+    char letters[2 * CLI_MAX_OPTIONS + 2] = ":"; /* getopt is silent: the words are ours */
     size_t length = 1;
     bool good = true;
 
@@ -118,7 +118,6 @@ bool cli_parse(cli *c, int argc, char **argv) {
             }
         }
     }
-    opterr = 0;
     optind = 0; /* start afresh, glibc's way */
     for (;;) {
         int before = optind > 0 ? optind : 1;

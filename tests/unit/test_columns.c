@@ -162,12 +162,33 @@ static void spreadsheets_mark_what_they_write(void **state) {
     free(lines);
 }
 
+/* For a caller who is told one thing: the first problem, and how many there are besides. */
+static void problems_are_counted(void **state) {
+    (void)state;
+    static const char *const ends[] = {NULL, "s.csv:7: no number",
+                                       "s.csv:7: no number; and 1 more error",
+                                       "s.csv:7: no number; and 2 more errors"};
+    for (unsigned count = 0; count < 4; count++) {
+        asdic_problems problems = {.name = "s.csv"};
+        for (unsigned k = 0; k < count; k++) {
+            asdic_problems_add(&problems, 7 + k, 1, k == 0 ? "no number" : "too many");
+        }
+        assert_status(ctx, asdic_problems_fail(&problems, ctx),
+                      count == 0 ? ASDIC_OK : ASDIC_ERROR_INPUT);
+        if (count > 0) {
+            assert_string_equal(asdic_context_error(ctx), ends[count]);
+        }
+        asdic_problems_finish(&problems);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(columns_are_found_by_name),
         cmocka_unit_test(long_files_are_read),
         cmocka_unit_test(errors_name_file_and_line),
         cmocka_unit_test(files_that_cannot_be_read_are_told_of),
+        cmocka_unit_test(problems_are_counted),
         cmocka_unit_test(spreadsheets_mark_what_they_write),
     };
     return cmocka_run_group_tests(tests, context_begin, context_end);

@@ -47,6 +47,14 @@ static void a_way_is_the_ray_to_its_point(void **state) {
     }
 }
 
+/* Seen from the ray's end on a plane 3 m away, after 5 m: the triangle of 3, 4 and 5. */
+static void elevations_are_of_triangles(void **state) {
+    (void)state;
+    assert_close(ray_plane_elevation(3.0, 5.0), asin(0.6), 1e-15);
+    assert_close(ray_plane_elevation(3.0, 3.0), 0.5 * R_PI, 1e-15);
+    assert_close(ray_plane_elevation(3.0, 2.0), 0.5 * R_PI, 1e-15);
+}
+
 /* A ray with a plane's sine at a range comes to that plane at that range, at that grazing angle. */
 static void rays_meet_planes_where_they_say(void **state) {
     unsigned seed = 2;
@@ -180,6 +188,7 @@ static void straight_rays_know_no_water(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_way_is_the_ray_to_its_point),
+        cmocka_unit_test(elevations_are_of_triangles),
         cmocka_unit_test(rays_meet_planes_where_they_say),
         cmocka_unit_test(footprints_are_differences),
         cmocka_unit_test(water_is_the_integral_of_the_loss),

@@ -536,6 +536,13 @@ static void beams_are_cones(void **state) {
         assert_int_equal(cone->rgb[0] > cone->rgb[2], b == 2);
         assert_close((double)cone->strength, b == 2 ? 1.0 : 0.55, 1e-6);
     }
+    draw(v);
+    assert_int_equal(arc_count, 3); /* on the map the chosen one comes last */
+    for (size_t b = 0; b < 3; b++) {
+        double middle = heading + beams[b].yaw_rad;
+        double half = asdic_view_half_width_rad(v, beams[b].length_h_m);
+        check_arc(b, middle - half, middle + half);
+    }
     close_view(v);
     for (int count = 8; count < 11; count++) {
         char receivers[1024] = "[";
