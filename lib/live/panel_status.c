@@ -11,16 +11,21 @@ typedef struct writer {
     double x, y, w;
 } writer;
 
+/* A value that is too long to stand beside its label is smaller. */
 static void row(writer *w, const char *label, const char *value, uint32_t rgb) {
-    double line = 17.5 * w->p->scale;
+    double size_px = PANEL_TEXT_PX * w->p->scale, gap = 8.0 * w->p->scale;
+    double room = w->w - gap - asdic_canvas_text_width(label, size_px);
+    double share = fmin(room / asdic_canvas_text_width(value, size_px), 1.0);
     panel_text(w->p, (asdic_text){.x = w->x, .y = w->y, .align_y = 1.0, .size_px = PANEL_TEXT_PX},
                PANEL_DIM_RGB, label);
-    panel_text(
-        w->p,
-        (asdic_text){
-            .x = w->x + w->w, .y = w->y, .align_x = 1.0, .align_y = 1.0, .size_px = PANEL_TEXT_PX},
-        rgb, value);
-    w->y += line;
+    panel_text(w->p,
+               (asdic_text){.x = w->x + w->w,
+                            .y = w->y,
+                            .align_x = 1.0,
+                            .align_y = 1.0,
+                            .size_px = PANEL_TEXT_PX * share},
+               rgb, value);
+    w->y += 17.5 * w->p->scale;
 }
 
 static void write_vehicle(writer *w, const asdic_view *view) {

@@ -153,6 +153,42 @@ static void assert_said(const char *label, const char *text) {
     fail_msg("'%s' is missing behind '%s'", text, label ? label : "");
 }
 
+static bool overlap(const struct word *a, const struct word *b) {
+    return fabs(a->x - b->x) < 0.5 * (a->width + b->width) &&
+           fabs(a->y - b->y) < 0.5 * (a->height + b->height);
+}
+
+/* Bottoms by the longest names. */
+static void long_values_keep_clear_of_their_labels(void **state) {
+    (void)state;
+    static const struct {
+        const char *law, *key;
+        double value;
+    } bottoms[] = {{"lambert", "lambert_db", -32.5},
+                   {"apl-bottom", "grain_size_phi", 7.25},
+                   {"rough-facet", "impedance_mrayl", 12.5}};
+    for (size_t i = 0; i < 6; i++) {
+        asdic_view_options o = asdic_view_options_default();
+        o.width /= i % 2 + 1;
+        o.height /= i % 2 + 1;
+        asdic_view *v = try_view("[{name: a}]", "sampling: {rays: 256}", &o, ASDIC_OK);
+        step(v, 1);
+        asdic_material *bottom = &v->chosen.bottom;
+        *bottom = asdic_material_of(asdic_law_find(bottoms[i / 2].law));
+        assert_ok(t.ctx,
+                  asdic_material_set(t.ctx, bottom, bottoms[i / 2].key, bottoms[i / 2].value));
+        draw(v);
+        for (size_t k = 0; k < word_count; k++) {
+            for (size_t n = 0; n < k; n++) {
+                if (overlap(&words[k], &words[n])) {
+                    fail_msg("'%s' lies on '%s'", words[k].text, words[n].text);
+                }
+            }
+        }
+        close_view(v);
+    }
+}
+
 static void the_status_says_what_is(void **state) {
     (void)state;
     asdic_view *v =
@@ -337,11 +373,6 @@ static void words_lie_within_the_frame(void **state) {
         assert_int_equal(titles, 2);
         close_view(v);
     }
-}
-
-static bool overlap(const struct word *a, const struct word *b) {
-    return fabs(a->x - b->x) < 0.5 * (a->width + b->width) &&
-           fabs(a->y - b->y) < 0.5 * (a->height + b->height);
 }
 
 /* Of a narrow fan, a wide one and one all round, small and large: no word lies on another, and the bearings stand
@@ -867,6 +898,7 @@ int main(void) {
         cmocka_unit_test(wide_fans_are_seen_whole),
         cmocka_unit_test(the_camera_stays_in_the_water),
         cmocka_unit_test(the_scope_shows_the_chosen_beam),
+        cmocka_unit_test(long_values_keep_clear_of_their_labels),
         cmocka_unit_test(the_status_says_what_is),
         cmocka_unit_test(axes_are_even),
         cmocka_unit_test(a_lone_bin_is_a_dot),
