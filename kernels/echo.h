@@ -31,7 +31,9 @@ typedef struct world {
     __global const dev_beam *beams; /* transmitter, then receivers */
     __global const dev_triangle *triangles;
     __global const dev_part *parts;
-    __global const dev_material *materials;
+    /* Words: dev_material each, and behind them tables of laws. Mesa 22's compiler strides over the words of a
+     * pointer to structures as if they were structures. */
+    __global const uint *materials;
     __global const float *face_density; /* by triangle, see faces.h */
 } world;
 
@@ -332,7 +334,8 @@ static law_lanes laws_met(const world *w, const meeting *m) {
     l.density_ratio = l.index = R(1.0);
     l.strength = l.reflected = (natural)(0u);
     LANES {
-        __global const dev_material *c = w->materials + AT(m->material, const uint);
+        __global const dev_material *c =
+            (__global const dev_material *)w->materials + AT(m->material, const uint);
         AT(law, uint) = c->law;
         AT(l.formula[0], float) = c->formula[0];
         AT(l.formula[1], float) = c->formula[1];
@@ -384,7 +387,7 @@ static real strength(const world *w, const law_lanes *l, slant a, real range) {
         s = choose(l->is_course, f, s);
     }
     if (any_true(l->is_table)) {
-        real f = law_table_lin((__global const uint *)w->materials, l->strength, a.sine, a.cos2);
+        real f = law_table_lin(w->materials, l->strength, a.sine, a.cos2);
         s = choose(l->is_table, f, s);
     }
     return s;
@@ -442,8 +445,7 @@ static real mirrored(const world *w, const law_lanes *l, const meeting *m, slant
         share = choose(l->is_searay & (m->kind == DEV_KIND_BOTTOM), bottom, share);
         mask table = l->is_table & (m->kind != DEV_KIND_OBJECT);
         if (any_true(table)) {
-            real f =
-                law_table_lin((__global const uint *)w->materials, l->reflected, a.sine, a.cos2);
+            real f = law_table_lin(w->materials, l->reflected, a.sine, a.cos2);
             share = choose(table, f, share);
         }
     }

@@ -302,7 +302,7 @@ __kernel void LEAST_WAVES(3)
     connect(__global const dev_ping *pings, __global const dev_ray *bounced,
             __global const dev_hit *sonar_hits, __global dev_hit *hits,
             __global const dev_triangle *triangles, __global const dev_part *parts,
-            __global const dev_material *materials, __global const float4 *mirrors,
+            __global const uint *materials, __global const float4 *mirrors,
             __global dev_ray *returning, __global const dev_layer *layers, uint count,
             __global const float *bounced_legs, __global float *returning_legs) {
     __global const dev_ping *ping = row_ping(pings);
@@ -564,7 +564,7 @@ __kernel void LEAST_WAVES(3)
            __global const dev_ray *bounced, __global const dev_hit *bounced_hits,
            __global const dev_ray *returning, __global const dev_hit *returning_hits,
            __global const float4 *mirrors, __global const dev_triangle *triangles,
-           __global const dev_part *parts, __global const dev_material *materials,
+           __global const dev_part *parts, __global const uint *materials,
            __global dev_arrival *arrivals, __global long *accumulator, __global uint *saturated,
            __global const dev_truth_row *rows, __global long *truth, __global const float *legs,
            __global const float *bounced_legs, __global const float *returning_legs) {

@@ -52,7 +52,7 @@ __kernel void pilot(__global const dev_ping *ping, __global const dev_ray *rays,
                     __global const float *legs, __global const float *solid_angles,
                     __global const float *splats, __global const float *face_density,
                     __global const dev_hit *hits, __global const dev_triangle *triangles,
-                    __global const dev_part *parts, __global const dev_material *materials,
+                    __global const dev_part *parts, __global const uint *materials,
                     __global const float *table, __global dev_pilot *pilots,
                     __global float *energies, uint picked) {
     uint slot = (uint)(get_global_id(0)) * ASDIC_WIDTH;

@@ -306,7 +306,7 @@ __kernel void coherent_shade(__global const dev_ping *ping, __global const dev_c
                              __global const dev_patch *patches, __global const float4 *places,
                              __global const uint *owner, __global const dev_hit *hits,
                              __global const dev_triangle *triangles, __global const dev_part *parts,
-                             __global const dev_material *materials, __global dev_echo *echoes,
+                             __global const uint *materials, __global dev_echo *echoes,
                              __global uint *gates) {
     uint slot = (uint)(get_global_id(0)) * ASDIC_WIDTH;
     if (slot >= c->slots) {

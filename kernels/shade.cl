@@ -157,7 +157,7 @@ __kernel void LEAST_WAVES(3)
     shade(__global const dev_ping *pings, __global const dev_ray *rays, __global const float *legs,
           __global float *solid_angles, __global float *splats, __global const float *face_density,
           __global const dev_hit *hits, __global const dev_triangle *triangles,
-          __global const dev_part *parts, __global const dev_material *materials,
+          __global const dev_part *parts, __global const uint *materials,
           __global const float *water, __global dev_arrival *arrivals, __global long *accumulator,
           __global uint *saturated, __global dev_ray *bounced, __global float4 *mirrors,
           __global float *bounced_legs, __global const dev_truth_row *rows, __global long *truth) {
