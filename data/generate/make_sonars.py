@@ -132,9 +132,9 @@ sonar: {{file: ../sonars/{name}.yaml}}
 sampling: {{rays: {rays}}}
 """
 POSE = """mission:
-  pose: {position_m: [0, 0, 7], pitch_deg: -8}     # 3 m above the bottom, bow down"""
+  pose: {{position_m: [0, 0, {depth:g}], pitch_deg: -8}}     # {height:g} m above the bottom, bow down"""
 POSE_LEVEL = """mission:
-  pose: {position_m: [0, 0, 7]}                    # 3 m above the bottom"""
+  pose: {{position_m: [0, 0, {depth:g}]}}                    # {height:g} m above the bottom"""
 
 
 def aperture_m(khz, width_deg):
@@ -192,11 +192,10 @@ def listed(*numbers):
 def things(sonar, mission):
     """What stands on the bottom in 10 m, and MISSION above it, at the sonar's scale."""
     scale = sonar.get('scale', 1)
-    above, height = f'{10 - 3 * scale:g}]', f'{3 * scale:g} m above'
     return {'bottom': sonar.get('bottom', 'type: sand'), 'radius': 0.3 * scale,
             'sphere': listed(14 * scale, scale, 10 - 0.5 * scale), 'sides': listed(2 * scale, 1.5 * scale, scale),
             'box': listed(20 * scale, -3 * scale, 10 - 0.5 * scale), 'pile': listed(27 * scale, 4 * scale, 5),
-            'mission': mission.replace('7]', above).replace('3 m above', height)}
+            'mission': mission.format(depth=10 - 3 * scale, height=3 * scale)}
 
 
 def write(sonar, beams, mission, rays):

@@ -277,7 +277,7 @@ static double noise_rms(const asdic_simulator *sim, const asdic_water_column *wa
     asdic_sonar one = sim->setup.sonar;
     one.receivers = &one.array.element;
     one.receiver_count = 1;
-    one.array.elements = 0;
+    one.array.elements = 0; /* one on its own, no beam of all */
     double level = asdic_noise_least_lin(&sim->setup.env, &one, water->sound_speed_mps);
     return sqrt(level * grid->pulse_m / one.bin_length_m);
 }

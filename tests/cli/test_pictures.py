@@ -274,12 +274,12 @@ def test_vector_pictures():
         if "plan.png" not in pictures(folder, "r"):
             raise tap.Skip("built without cairo")
         stems = [name[:-4] for name in pictures(folder, "r")]
-        digest = facts(folder, "r")["scene"]["sha256"].encode()
+        sha256 = facts(folder, "r")["scene"]["sha256"].encode()
         asdic("render", run, "--format", "pdf").check(code=0)
         asdic("render", run, "--format", "svg").check(code=0)
         for stem in stems:
             content = data(folder, "r", stem + ".pdf")
-            tap.equal((content[:5], b"%%EOF" in content[-8:], digest in content),
+            tap.equal((content[:5], b"%%EOF" in content[-8:], sha256 in content),
                       (b"%PDF-", True, True), stem)
             if not re.search(rb"/Keywords \((\w+: [^;)]+; )*\w+: [^;)]+\)", content):
                 raise AssertionError(f"{stem}: no keywords")

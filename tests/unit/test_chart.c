@@ -2,6 +2,7 @@
  * The mission from above: relief and outlines of a scene, and that the picture shows them where they say.
  */
 #include "asserts.h"
+#include "area.h"
 #include "decoded.h"
 #include "test_context.h"
 
@@ -220,15 +221,6 @@ static void relief_is_coloured_by_depth(void **state) {
         assert_int_equal(raster.rgb[3 * i + 1] << 8 | raster.rgb[3 * i + 2], want[i]);
     }
     asdic_raster_finish(&raster);
-}
-
-static double area_of(const double *north_m, const double *east_m, size_t count) {
-    double twice = 0.0;
-    for (size_t i = 0; i < count; i++) {
-        size_t k = (i + 1) % count;
-        twice += north_m[i] * east_m[k] - north_m[k] * east_m[i];
-    }
-    return 0.5 * twice; /* positive clockwise, north up and east right */
 }
 
 static void add_object(asdic_scene *scene, const char *name, asdic_mesh *mesh, asdic_pose pose) {

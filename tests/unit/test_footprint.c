@@ -2,6 +2,7 @@
  * Where the lobes of beams meet the bottom.
  */
 #include "asserts.h"
+#include "area.h"
 #include "test_context.h"
 
 #include "lib/base/vec.h"
@@ -15,15 +16,6 @@
 #define HALF_POWER 0.442946 /* sin(u) / u squared is a half at u = 0.442946 pi */
 
 static const asdic_relief no_relief;
-
-static double area_of(const double *north_m, const double *east_m, size_t count) {
-    double twice = 0.0;
-    for (size_t i = 0; i < count; i++) {
-        size_t k = (i + 1) % count;
-        twice += north_m[i] * east_m[k] - north_m[k] * east_m[i];
-    }
-    return 0.5 * twice; /* positive clockwise, north up and east right */
-}
 
 /* Vehicle heading east, 10 m above a flat bottom; lobe edges by trigonometry. */
 static void footprint_on_a_plane(void **state) {
@@ -202,19 +194,25 @@ static void footprint_in_water_that_bends(void **state) {
     asdic_footprint_finish(&area);
 }
 
+enum { SIDE = 100 };
+
+/* As many metres a side, around the origin. */
+static asdic_relief square(float *depth_m) {
+    return (asdic_relief){.columns = SIDE,
+                          .rows = SIDE,
+                          .west_m = -0.5 * SIDE,
+                          .south_m = -0.5 * SIDE,
+                          .cell_m = 1,
+                          .depth_m = depth_m};
+}
+
 /* East of 45 degrees, in the outer half of a beam, there is no bottom: the area ends there. Where
  * there is none between 40 and 50 degrees, it returns along the range instead of by a chord through
  * what the beam does not see. */
 static void footprint_beside_a_hole(void **state) {
     (void)state;
-    enum { SIDE = 100 };
     float *depth_m = malloc(SIDE * SIDE * sizeof *depth_m);
-    asdic_relief relief = {.columns = SIDE,
-                           .rows = SIDE,
-                           .west_m = -50,
-                           .south_m = -50,
-                           .cell_m = 1,
-                           .depth_m = depth_m};
+    asdic_relief relief = square(depth_m);
     asdic_beam beam = {.pitch_rad = 0.3, .length_h_m = 0.0075, .length_v_m = 0.05};
     asdic_swath swath = {.beams = &beam, .count = 1, .wavelength_m = 0.015, .range_m = 40};
     asdic_pose pose = {.position_m = {0, 0, 5}, .yaw_rad = 0.25 * ASDIC_PI};
@@ -246,14 +244,8 @@ static void footprint_beside_a_hole(void **state) {
 static void footprint_on_terrain(void **state) {
     (void)state;
     /* A wall up to the surface at x = 30 m stops a level beam that would go on to 100 m. */
-    enum { SIDE = 100 };
     float *depth_m = malloc(SIDE * SIDE * sizeof *depth_m);
-    asdic_relief relief = {.columns = SIDE,
-                           .rows = SIDE,
-                           .west_m = -50,
-                           .south_m = -50,
-                           .cell_m = 1,
-                           .depth_m = depth_m};
+    asdic_relief relief = square(depth_m);
     for (int i = 0; i < SIDE * SIDE; i++) {
         double north_m = 49.5 - i / SIDE;
         depth_m[i] = north_m > 30.0 ? 0.0f : 10.0f;
