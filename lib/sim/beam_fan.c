@@ -25,15 +25,14 @@ static bool same(float a, float b) {
     return fabsf(a - b) < 1e-5f;
 }
 
-/* Whether RECEIVERS are of one size and differ in yaw about one axis only. */
+/* Whether RECEIVERS are of one height and differ in width, and in yaw about one axis, only. */
 static bool have_common_axis(const asdic_beam *receivers, size_t count) {
     const asdic_pose level = {{0.0, 0.0, 0.0}, 0.0, 0.0, 0.0};
     dev_beam first = asdic_aim_beam(&receivers[0], &level, 1.0);
     for (size_t r = 1; r < count; r++) {
         dev_beam beam = asdic_aim_beam(&receivers[r], &level, 1.0);
         if (!same(beam.rows[6], first.rows[6]) || !same(beam.rows[7], first.rows[7]) ||
-            !same(beam.rows[8], first.rows[8]) || beam.length_h_wl != first.length_h_wl ||
-            beam.length_v_wl != first.length_v_wl) {
+            !same(beam.rows[8], first.rows[8]) || beam.length_v_wl != first.length_v_wl) {
             return false;
         }
     }

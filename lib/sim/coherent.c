@@ -273,13 +273,11 @@ static asdic_status make_room(asdic_simulator *sim, asdic_coherent *c) {
 
 /* An element's noise in a sample, r.m.s., so that a bin has the level of the incoherent ping's. */
 static double noise_rms(const asdic_simulator *sim, const asdic_water_column *water,
-                        const asdic_coherent_grid *grid) {
-    asdic_sonar one = sim->setup.sonar;
-    one.receivers = &one.array.element;
-    one.receiver_count = 1;
-    one.array.elements = 0; /* one on its own, no beam of all */
-    double level = asdic_noise_least_lin(&sim->setup.env, &one, water->sound_speed_mps);
-    return sqrt(level * grid->pulse_m / one.bin_length_m);
+                        const asdic_coherent *c) {
+    const asdic_sonar *sonar = &sim->setup.sonar;
+    double level =
+        asdic_noise_element_lin(&sim->setup.env, sonar, c->weights2, water->sound_speed_mps);
+    return sqrt(level * c->grid.pulse_m / sonar->bin_length_m);
 }
 
 /* What changes with the pose. */
@@ -299,9 +297,8 @@ static asdic_status tell(asdic_simulator *sim, asdic_coherent *c, const asdic_pi
     n->element_h_wl = element.length_h_wl;
     n->element_v_wl = element.length_v_wl;
     /* The pulse's energy on the grid is its length over a sample's. */
-    n->noise =
-        (float)(noise_rms(sim, &shot->water, &c->grid) * sqrt(c->grid.sample_m / c->grid.pulse_m) /
-                sqrt(asdic_simulator_source_lin(sim, &shot->water)));
+    n->noise = (float)(noise_rms(sim, &shot->water, c) * sqrt(c->grid.sample_m / c->grid.pulse_m) /
+                       sqrt(asdic_simulator_source_lin(sim, &shot->water)));
     n->patches = (dev_uint)c->found.count;
     n->scatterers = (dev_uint)c->found.slots;
     n->slots = (dev_uint)(c->found.slots * ways_of(sim));

@@ -251,6 +251,18 @@ static void begin_ping(const asdic_sonar *sonar, asdic_ping *ping) {
     ping->rays = ping->saturated = 0;
 }
 
+/* Rings know nothing of the gain on a receiver's axis. */
+static void weigh_beams(const asdic_sonar *sonar, asdic_ping *ping) {
+    for (size_t b = 0; b < ping->beams; b++) {
+        double gain = asdic_beam_axis_lin(&sonar->receivers[b]);
+        for (size_t n = 0; gain < 1.0 && n < ping->bins; n++) {
+            for (int c = ASDIC_TOTAL + 1; c < ASDIC_COMPONENT_COUNT; c++) {
+                ping->intensity_lin[c][b * ping->bins + n] *= gain;
+            }
+        }
+    }
+}
+
 static asdic_status add_pulse(asdic_context *ctx, const asdic_sonar *sonar, double sound_speed_mps,
                               asdic_ping *ping) {
     double *scratch = malloc(asdic_pulse_scratch(ping->bins) * sizeof *scratch);
@@ -274,6 +286,7 @@ static asdic_status compute(asdic_context *ctx, const among *with,
     asdic_flat_laws laws = asdic_flat_laws_at(flat, env, sonar);
     begin_ping(sonar, ping);
     TRY(compute_echoes(ctx, with, &laws, env, sonar, &place->pose, ping));
+    weigh_beams(sonar, ping);
     asdic_noise_levels(env, sonar, laws.water.sound_speed_mps, ping);
     for (size_t i = 0; i < ping->beams * ping->bins; i++) {
         for (int c = ASDIC_TOTAL + 1; c < ASDIC_COMPONENT_COUNT; c++) {

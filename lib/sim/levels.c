@@ -10,6 +10,7 @@
 #include "base/widest.h"
 #include "drift.h"
 #include "noise_level.h"
+#include "ring.h"
 #include "truth.h"
 
 #include <math.h>
@@ -115,6 +116,11 @@ typedef struct conversion {
     atomic_int status;              /* of beams that failed */
 } conversion;
 
+/* What a beam makes of a quantum of component C. */
+static double unit_of(const conversion *k, size_t c, size_t beam) {
+    return k->unit[c] * asdic_beam_axis_lin(&k->sim->setup.sonar.receivers[beam]);
+}
+
 static double noise_of(const conversion *c, size_t beam) {
     const asdic_sonar *sonar = &c->sim->setup.sonar;
     return asdic_noise_lin(&c->sim->setup.env, sonar, &sonar->receivers[beam],
@@ -168,8 +174,8 @@ static void convert_beam(const conversion *k, unsigned worker, size_t beam) {
             double *energy = k->out->intensity_lin[component_of[c]] + at;
             const double *loss = c == DEV_DEPOSIT_VOLUME ? shot->volume : shot->loss;
             if (shot->ping->sums.present & 1u << c) {
-                convert_whole(quanta + c * sim->setup.cells + at, k->unit[c], loss + n, count,
-                              energy, echo);
+                convert_whole(quanta + c * sim->setup.cells + at, unit_of(k, c, beam), loss + n,
+                              count, energy, echo);
             } else {
                 asdic_clear(energy, count * sizeof *energy);
             }
@@ -207,18 +213,18 @@ WIDEST static void convert_fan_echo(const float *restrict quanta, double unit,
  * azimuths. Of the beams from BEAM on. */
 static void convert_fan_water(const conversion *c, size_t beam) {
     size_t bins = c->out->bins, left = c->out->beams - beam;
-    double unit = c->unit[DEV_DEPOSIT_VOLUME];
     const float *quanta[WATER_BEAMS];
-    double crossing[WATER_BEAMS] = {0.0}, *energy[WATER_BEAMS];
+    double crossing[WATER_BEAMS] = {0.0}, unit[WATER_BEAMS], *energy[WATER_BEAMS];
     for (size_t k = 0; k < WATER_BEAMS; k++) {
         size_t own = beam + (k < left ? k : 0); /* behind the last the first again */
         quanta[k] = asdic_beam_fan_row(&c->sim->fan, c->shot->sums, own, DEV_DEPOSIT_VOLUME);
+        unit[k] = unit_of(c, DEV_DEPOSIT_VOLUME, own);
         energy[k] = c->out->intensity_lin[ASDIC_VOLUME] + own * bins;
     }
     for (size_t n = bins; n-- > 0;) {
         for (size_t k = 0; k < WATER_BEAMS; k++) {
             crossing[k] += (double)quanta[k][n];
-            energy[k][n] = crossing[k] * unit * c->shot->volume[n];
+            energy[k][n] = crossing[k] * unit[k] * c->shot->volume[n];
         }
     }
 }
@@ -276,7 +282,7 @@ static void convert_fan_beam(const conversion *k, unsigned worker, size_t beam) 
             if (c == DEV_DEPOSIT_VOLUME) {
                 add(energy, count, echo);
             } else if (shot->ping->sums.present & 1u << c && holds_any(quanta, count)) {
-                convert_fan_echo(quanta, k->unit[c], shot->loss + n, count, energy, echo);
+                convert_fan_echo(quanta, unit_of(k, c, beam), shot->loss + n, count, energy, echo);
             } else {
                 asdic_clear(energy, count * sizeof *energy);
             }

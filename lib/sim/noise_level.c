@@ -1,14 +1,48 @@
 #include "noise_level.h"
 
+#include "array.h"
+
 #include "../../kernels/noise.h"
 
 #include "base/vec.h"
 
-/* Directivity of a rectangular aperture, 4 pi L_H L_V / lambda^2, never below that of the open
- * front half-space (Urick 1983, table 3.2). */
-static double directivity(const asdic_beam *beam, double wavelength_m) {
-    double d = 4.0 * ASDIC_PI * beam->length_h_m * beam->length_v_m / (wavelength_m * wavelength_m);
-    return fmax(d, 2.0);
+/* Directivity of a rectangular aperture, 4 pi L_H L_V / lambda^2 (Urick 1983, table 3.2). */
+static double directivity(double length_h_m, double length_v_m, double wavelength_m) {
+    return 4.0 * ASDIC_PI * length_h_m * length_v_m / (wavelength_m * wavelength_m);
+}
+
+/* Of the noise in a resolution cell's time, what comes from all around and the sonar's own. */
+typedef struct noise {
+    double ambient, own;
+} noise;
+
+static noise noise_in_band(const asdic_environment *env, const asdic_sonar *sonar) {
+    double f_khz = sonar->frequency_hz / 1e3;
+    double sea_db = noise_db(f_khz, env->shipping_density, env->wind_speed_kn);
+    return (noise){pow(10.0, 0.1 * noise_band_db(sea_db, sonar->bandwidth_hz)),
+                   pow(10.0, 0.1 * noise_band_db(sonar->self_noise_db, sonar->bandwidth_hz))};
+}
+
+/* Less than one, as of an echo, in a short bin. */
+static double cells_in_bin(const asdic_sonar *sonar, double sound_speed_mps) {
+    return sonar->bin_length_m * 2.0 * sonar->bandwidth_hz / sound_speed_mps;
+}
+
+/* An element that is half a wavelength long is open to half of all directions at least. */
+double asdic_noise_element_lin(const asdic_environment *env, const asdic_sonar *sonar, double share,
+                               double sound_speed_mps) {
+    double wavelength_m = sound_speed_mps / sonar->frequency_hz;
+    double height_m = fmax(sonar->array.element.length_v_m, wavelength_m / ASDIC_PI);
+    double length_m = asdic_array_noise_length_m(&sonar->array, wavelength_m);
+    noise n = noise_in_band(env, sonar);
+    n.ambient /= sonar->noise_directivity ? directivity(length_m, height_m, wavelength_m) : share;
+    return sonar->noise_enabled ? (n.ambient + n.own) * cells_in_bin(sonar, sound_speed_mps) : 0.0;
+}
+
+/* The share of an element's noise in a beam: the sum of the weights' squares, which is what the beam's side was made
+ * of (asdic_array_form). */
+static double share_of_beam(const asdic_array *array, const asdic_beam *beam) {
+    return array->spacing_m * asdic_array_cosine(array, beam) / beam->length_h_m;
 }
 
 double asdic_noise_lin(const asdic_environment *env, const asdic_sonar *sonar,
@@ -16,19 +50,17 @@ double asdic_noise_lin(const asdic_environment *env, const asdic_sonar *sonar,
     if (!sonar->noise_enabled) {
         return 0.0;
     }
-    double f_khz = sonar->frequency_hz / 1e3;
-    double sea_db = noise_db(f_khz, env->shipping_density, env->wind_speed_kn);
-    double ambient = pow(10.0, 0.1 * noise_band_db(sea_db, sonar->bandwidth_hz));
-    double own = pow(10.0, 0.1 * noise_band_db(sonar->self_noise_db, sonar->bandwidth_hz));
-    double cell_m = sound_speed_mps / (2.0 * sonar->bandwidth_hz);
-    double cells = sonar->bin_length_m / cell_m; /* less than one, as of an echo, in a short bin */
-    if (sonar->noise_directivity) {
-        ambient /= directivity(receiver, sound_speed_mps / sonar->frequency_hz);
-    }
     if (sonar->array.elements > 0) {
-        own /= (double)sonar->array.elements;
+        double share = share_of_beam(&sonar->array, receiver);
+        return share * asdic_noise_element_lin(env, sonar, share, sound_speed_mps);
     }
-    return (ambient + own) * cells;
+    noise n = noise_in_band(env, sonar);
+    if (sonar->noise_directivity) {
+        double d = directivity(receiver->length_h_m, receiver->length_v_m,
+                               sound_speed_mps / sonar->frequency_hz);
+        n.ambient /= fmax(d, 2.0); /* of the open half-space in front */
+    }
+    return (n.ambient + n.own) * cells_in_bin(sonar, sound_speed_mps);
 }
 
 void asdic_noise_levels(const asdic_environment *env, const asdic_sonar *sonar,

@@ -2,8 +2,8 @@
  * Noise in a bin: the part of a ping that no ray brings.
  *
  * Ambient noise is less in a beam by its directivity index. What the sonar adds itself, mostly in its receivers'
- * electronics, is not, save in beams of N elements, whose own noise is independent: 1 / N of an element's (R. J.
- * Urick, Principles of Underwater Sound (1983), chapters 3 and 11). Equal weights are assumed.
+ * electronics, is not (R. J. Urick, Principles of Underwater Sound (1983), chapters 3 and 11). What elements of an array
+ * hear is independent: beams have the sum of their weights' squares of it, 1 / N of N even ones.
  */
 #ifndef ASDIC_SIM_NOISE_LEVEL_H
 #define ASDIC_SIM_NOISE_LEVEL_H
@@ -14,6 +14,10 @@
  * the echoes are. Zero when switched off. */
 double asdic_noise_lin(const asdic_environment *env, const asdic_sonar *sonar,
                        const asdic_beam *receiver, double sound_speed_mps);
+
+/* An element's of the array, of which a beam holds a SHARE: the sum of its weights' squares. */
+double asdic_noise_element_lin(const asdic_environment *env, const asdic_sonar *sonar, double share,
+                               double sound_speed_mps);
 
 /* Fills PING's noise component. */
 void asdic_noise_levels(const asdic_environment *env, const asdic_sonar *sonar,

@@ -57,7 +57,8 @@ static double envelope(double length_wl, double v, double chord) {
 static double gain_most(const asdic_face *face, const sight *s, double rear_lin) {
     double pattern = envelope(face->length_h_wl, row_dot(face, 1, s->towards), s->chord) *
                      envelope(face->length_v_wl, row_dot(face, 2, s->towards), s->chord);
-    return row_dot(face, 0, s->towards) < -s->chord ? rear_lin * pattern : pattern;
+    return face->axis_lin *
+           (row_dot(face, 0, s->towards) < -s->chord ? rear_lin * pattern : pattern);
 }
 
 typedef struct gains {

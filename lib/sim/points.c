@@ -4,6 +4,7 @@
 #include "base/try.h"
 #include "base/vec.h"
 #include "eigenray.h"
+#include "ring.h"
 #include "scene/scene.h"
 #include "sonar_ray.h"
 #include "truth.h"
@@ -325,7 +326,8 @@ static asdic_status add_echo(asdic_simulator *sim, const asdic_ping_shot *shot,
     TRY(asdic_truth_point_row(sim, (asdic_truth_point){home->point, (size_t)bin, home->u.z, by},
                               &truth));
     for (size_t b = 0; b < out->beams; b++) {
-        double heard = energy * gain_towards(&beams[b + 1], home->u, shot->ping->rear_lin);
+        double heard = energy * asdic_beam_axis_lin(&sim->setup.sonar.receivers[b]) *
+                       gain_towards(&beams[b + 1], home->u, shot->ping->rear_lin);
         add_energy(out, by ? ASDIC_MULTIPATH : ASDIC_OBJECT, b * out->bins + (size_t)bin, heard);
         if (truth) {
             truth[b] += heard;

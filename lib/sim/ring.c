@@ -15,11 +15,16 @@ asdic_mat3 asdic_face_mount(const asdic_beam *beam) {
     return asdic_mat3_attitude(beam->roll_rad, -beam->pitch_rad, beam->yaw_rad);
 }
 
+double asdic_beam_axis_lin(const asdic_beam *beam) {
+    return pow(10.0, 0.1 * beam->sensitivity_db);
+}
+
 asdic_face asdic_face_aim(const asdic_beam *beam, const asdic_pose *pose, double wavelength_m) {
     asdic_mat3 vehicle = asdic_mat3_attitude(pose->roll_rad, pose->pitch_rad, pose->yaw_rad);
     asdic_mat3 face_to_world = asdic_mat3_multiply(vehicle, asdic_face_mount(beam));
     asdic_face face = {.length_h_wl = beam->length_h_m / wavelength_m,
-                       .length_v_wl = beam->length_v_m / wavelength_m};
+                       .length_v_wl = beam->length_v_m / wavelength_m,
+                       .axis_lin = asdic_beam_axis_lin(beam)};
     for (int row = 0; row < 3; row++) {
         for (int column = 0; column < 3; column++) {
             face.world_to_face.m[row][column] = face_to_world.m[column][row];
@@ -30,7 +35,8 @@ asdic_face asdic_face_aim(const asdic_beam *beam, const asdic_pose *pose, double
 
 double asdic_face_gain(const asdic_face *face, asdic_vec3 towards, double rear_lin) {
     asdic_vec3 v = asdic_mat3_apply(face->world_to_face, towards);
-    return beam_pattern_lin(v.x, v.y, v.z, face->length_h_wl, face->length_v_wl, rear_lin);
+    return face->axis_lin *
+           beam_pattern_lin(v.x, v.y, v.z, face->length_h_wl, face->length_v_wl, rear_lin);
 }
 
 /* Azimuths at which the face's edge crosses the ring: cos(phi - middle) = -offset / reach. Returns

@@ -14,11 +14,15 @@
 typedef struct asdic_face {
     asdic_mat3 world_to_face;
     double length_h_wl, length_v_wl;
+    double axis_lin; /* gain on the axis, of which rings know nothing */
 } asdic_face;
 
 /* From an aperture's axes to the vehicle's. A beam's positive pitch looks down, an attitude's positive
  * pitch looks up. */
 asdic_mat3 asdic_face_mount(const asdic_beam *beam);
+
+/* A receiver's gain on its axis. */
+double asdic_beam_axis_lin(const asdic_beam *beam);
 
 asdic_face asdic_face_aim(const asdic_beam *beam, const asdic_pose *pose, double wavelength_m);
 

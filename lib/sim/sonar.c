@@ -57,6 +57,7 @@ static asdic_status check_beam(asdic_context *ctx, const asdic_beam *beam) {
         {"roll_rad", "rad", beam->roll_rad, -turn, turn},
         {"length_h_m", "m", beam->length_h_m, 1e-4, 100.0},
         {"length_v_m", "m", beam->length_v_m, 1e-4, 100.0},
+        {"sensitivity_db", "dB", beam->sensitivity_db, -300.0, 0.0},
     };
     return check_fields(ctx, beam->name, fields, sizeof fields / sizeof *fields);
 }

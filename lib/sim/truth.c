@@ -6,6 +6,7 @@
 #include "base/vec.h"
 #include "base/widest.h"
 #include "pulse.h"
+#include "ring.h"
 #include "truth_shares.h"
 
 #include <float.h>
@@ -226,14 +227,15 @@ typedef struct telling {
     asdic_ping *out;
     size_t nth, beam, beams; /* from which one on, how many */
     double source_lin, speed_mps;
+    double axis_lin[TILE];  /* the beams' gains */
     bool smears;            /* the pulse */
     double *work, *scratch; /* the thread's */
 } telling;
 
-WIDEST static void take_floats(const float *cells, size_t beams, double worth, double *to,
-                               size_t stride) {
+WIDEST static void take_floats(const float *restrict cells, const double *restrict axis_lin,
+                               size_t beams, double worth, double *restrict to, size_t stride) {
     for (size_t b = 0; b < beams; b++) {
-        to[b * stride] = (double)cells[b] * worth;
+        to[b * stride] = (double)cells[b] * axis_lin[b] * worth;
     }
 }
 
@@ -250,7 +252,7 @@ static void gather(const telling *to, size_t row, double unit, double *energy) {
         if (to->sim->fan.many) {
             cell += to->beam / DEV_FAN_TILE * sums->truth_cells;
             take_floats((const float *)t->cells + cell * DEV_FAN_TILE + to->beam % DEV_FAN_TILE,
-                        to->beams, worth, energy + n, to->out->bins);
+                        to->axis_lin, to->beams, worth, energy + n, to->out->bins);
             continue;
         }
         const int64_t *from = (const int64_t *)t->cells + cell * t->columns + to->beam;
@@ -259,7 +261,7 @@ static void gather(const telling *to, size_t row, double unit, double *energy) {
             for (size_t k = 0; k < each; k++) {
                 quanta += from[k * sums->truth_cells * t->columns + b];
             }
-            energy[b * to->out->bins + n] = (double)quanta * worth;
+            energy[b * to->out->bins + n] = (double)quanta * to->axis_lin[b] * worth;
         }
     }
 }
@@ -354,7 +356,8 @@ static void gather_moments(const telling *to, double *moment) {
     size_t bins = to->out->bins;
     for (size_t b = 0; b < to->beams && fan->many; b++) {
         weigh_floats(asdic_beam_fan_row(fan, to->shot->sums, to->beam + b, fan->sums - 1),
-                     to->shot->loss, to->source_lin / scale, bins, moment + b * bins);
+                     to->shot->loss, to->source_lin / scale * to->axis_lin[b], bins,
+                     moment + b * bins);
     }
     gather(to, DEV_TRUTH_DEPRESSION, to->source_lin / scale, moment);
     for (size_t k = 0; k < t->point_count; k++) {
@@ -433,6 +436,9 @@ static void tell_beams(asdic_simulator *sim, const asdic_ping_shot *shot, unsign
                   .speed_mps = shot->water.sound_speed_mps,
                   .work = sim->truth.work + worker * work_of(sim),
                   .scratch = sim->host.scratch + worker * asdic_pulse_scratch(out->bins)};
+    for (size_t b = 0; b < to.beams; b++) {
+        to.axis_lin[b] = asdic_beam_axis_lin(&sim->setup.sonar.receivers[beam + b]);
+    }
     to.smears = asdic_pulse_smears(&sim->setup.sonar, to.speed_mps);
     tell_tile(&to);
 }

@@ -199,6 +199,42 @@ def test_detections_are_held_against_the_scene_by_intensities():
         tap.contains(done.err, "coherent pings do not say what is in a bin")
 
 
+THIN = """version: 1
+environment: {sound_speed_mps: 1500, particle_density: -200}
+surface: {enabled: false}
+bottom: {depth_m: 15, type: sand}
+sonar:
+  frequency_khz: 100
+  bandwidth_khz: 10
+  bin_length_m: 0.075
+  max_range_m: 40
+  source_level_db: 200
+  transmitter: {length_h_m: 0.0005, length_v_m: 0.05}
+  array: {elements: 48, element: {length_h_m: 0.0005, length_v_m: 0.05}, beams: {count: 7, sector_deg: 154}}
+mission: {pose: {position_m: [0, 0, 5]}}
+sampling: {rays: 20000}
+output: {csv: long, images: []}
+"""
+
+
+def test_intensities_of_thin_elements_are_those_of_the_array():
+    """Beams at 0, 22, 44 and 66 degrees: of intensities they were 10 dB quieter than the noise, 5 dB than the bottom."""
+    need_device()
+    level_db = {}
+    with Folder() as folder:
+        for coherent in "true", "false":
+            folder.write("thin.yaml", THIN.replace("rays: 20000", f"rays: 20000, coherent: {coherent}"))
+            asdic("run", "thin.yaml", "-o", coherent, "-q", cwd=folder.path).check(0)
+            for row in csv.DictReader(data(folder, coherent, "bins.csv").decode().splitlines()):
+                power = 10 ** (0.1 * float(row["level_db"]))
+                part = "noise" if int(row["bin"]) < 120 else "bottom"
+                of = level_db.setdefault((row["beam"], part), {}).setdefault(coherent, [])
+                of += [power] if not 120 <= int(row["bin"]) < 200 else []
+    for (beam, part), powers in level_db.items():
+        apart_db = 10 * math.log10(sum(powers["true"]) / sum(powers["false"]))
+        tap.equal(abs(apart_db) < 2, True, f"beam {beam}: {part} of coherent pings {apart_db:.1f} dB above")
+
+
 def test_a_smooth_plate_is_silent_off_its_mirror_direction():
     """An upright plate at the sonar's depth answers straight back; by way of the surface it throws its echo past the
     sonar, however large its pieces are."""

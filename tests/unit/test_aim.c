@@ -355,7 +355,8 @@ static void a_sector_leaves_the_transmitter_aside(void **state) {
     }
 }
 
-/* From 16 receivers on; they have an axis in common where they are alike but for their yaw. */
+/* From 16 receivers on; they have an axis in common where they are alike but for yaw and
+ * width. */
 static void many_receivers_may_have_an_axis_in_common(void **state) {
     (void)state;
     asdic_beam receivers[16];
@@ -372,8 +373,7 @@ static void many_receivers_may_have_an_axis_in_common(void **state) {
     assert_false(fan.many || fan.common_axis);
     for (int k = 0; k < 16; k++) {
         asdic_beam *odd = &receivers[k];
-        double *const keys[] = {&odd->pitch_rad, &odd->roll_rad, &odd->length_h_m,
-                                &odd->length_v_m};
+        double *const keys[] = {&odd->pitch_rad, &odd->roll_rad, &odd->length_v_m};
         for (size_t i = 0; i < sizeof keys / sizeof *keys; i++) {
             double before = *keys[i];
             *keys[i] += 0.01;
@@ -381,6 +381,10 @@ static void many_receivers_may_have_an_axis_in_common(void **state) {
             assert_true(fan.many && !fan.common_axis);
             *keys[i] = before;
         }
+        odd->length_h_m = 0.05;
+        asdic_beam_fan_plan(&sonar, &fan);
+        assert_true(fan.many && fan.common_axis);
+        odd->length_h_m = 0.1;
     }
     asdic_beam_fan_plan(&sonar, &fan);
     assert_true(fan.common_axis);

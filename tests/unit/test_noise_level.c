@@ -82,6 +82,7 @@ static void the_sonars_own_noise_comes_from_nowhere(void **state) {
         sonar.array.elements = k / 2 ? 16 : 0;
         for (size_t b = 0; b < BEAMS; b++) {
             sonar.self_noise_db = -INFINITY;
+            sonar.array.spacing_m = receivers[b].length_h_m / 16.0;
             double ambient = asdic_noise_lin(&env, &sonar, &receivers[b], SPEED_MPS);
             sonar.self_noise_db = 50.0;
             double all = asdic_noise_lin(&env, &sonar, &receivers[b], SPEED_MPS);

@@ -15,6 +15,7 @@ typedef struct asdic_beam {
     char name[ASDIC_NAME_SIZE];
     double pitch_rad, yaw_rad, roll_rad;
     double length_h_m, length_v_m; /* horizontal and vertical side */
+    double sensitivity_db; /* of a receiver, in intensities: on its axis, re 0 dB; at most 0 */
 } asdic_beam;
 
 typedef enum asdic_speckle {
@@ -46,6 +47,13 @@ typedef struct asdic_array {
 /* Fills WEIGHTS, one for each element; their sum is 1. Chebyshev: C. L. Dolph, Proc. IRE 34, 335
  * (1946); Taylor: T. T. Taylor, IRE Trans. AP-3, 16 (1955). */
 ASDIC_API void asdic_array_weights(const asdic_array *array, double *weights);
+
+/* Gives the COUNT beams, which are aimed in the array's plane already, the sides and the sensitivity
+ * with which pings of intensities agree with what the array forms there: an even aperture that takes
+ * in as much from all around as the weights do, as long as it looks from the beam's direction (H. L.
+ * Van Trees, Optimum Array Processing (2002), chapter 2), with an element's sensitivity there. */
+ASDIC_API void asdic_array_form(const asdic_array *array, double wavelength_m, asdic_beam *beams,
+                                size_t count);
 
 /* More bins than any sonar has: a unit is wrong somewhere. */
 #define ASDIC_SONAR_MAX_BINS 65536

@@ -51,16 +51,6 @@ static asdic_beam convert_beam(const file_beam *b, const char *name) {
     return beam;
 }
 
-/* The even aperture that takes in as much from all around as the array: intensities know no shading. */
-static double even_length(const asdic_array *array) {
-    double weights[ASDIC_ARRAY_MAX_ELEMENTS], squares = 0.0;
-    asdic_array_weights(array, weights);
-    for (size_t e = 0; e < array->elements; e++) {
-        squares += weights[e] * weights[e];
-    }
-    return array->spacing_m / squares;
-}
-
 /* The array in the water's wavelength at the vehicle's depth, or at the surface. */
 static asdic_array convert_array(const asdic_scene_file *file) {
     const file_array *a = &file->sonar.array;
@@ -129,17 +119,14 @@ static void turn_in_plane(const file_fan *fan, double bearing_deg, asdic_beam *b
     beam->roll_rad = atan2(face.m[2][1], face.m[2][2]);
 }
 
-/* The fan of beams that an array forms. */
-static file_fan fan_of(const asdic_scene_file *file, const asdic_array *array) {
-    const file_array *a = &file->sonar.array;
+/* The fan that an array's beams look along. */
+static file_fan fan_of(const file_array *a) {
     return (file_fan){.count = a->beams.count,
                       .sector_deg = a->beams.sector_deg,
                       .shape = FILE_FAN_PLANE,
                       .pitch_deg = a->pitch_deg,
                       .yaw_deg = a->yaw_deg,
-                      .roll_deg = a->roll_deg,
-                      .length_h_m = even_length(array),
-                      .length_v_m = array->element.length_v_m};
+                      .roll_deg = a->roll_deg};
 }
 
 /* COUNT beams share the sector; each looks along the middle of its share, the first to port. */
@@ -165,8 +152,10 @@ static void convert_fan(const file_fan *fan, asdic_beam *beams) {
 void asdic_scene_file_receivers(const asdic_scene_file *file, asdic_beam *beams) {
     if (file->sonar.array.node) {
         asdic_array array = convert_array(file);
-        file_fan fan = fan_of(file, &array);
+        file_fan fan = fan_of(&file->sonar.array);
         convert_fan(&fan, beams);
+        asdic_array_form(&array, array.spacing_m / file->sonar.array.spacing_wl, beams,
+                         (size_t)fan.count);
         return;
     }
     if (file->sonar.receiver_fan.node) {
