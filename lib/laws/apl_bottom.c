@@ -157,8 +157,9 @@ static void prepare_kirchhoff(double *made) {
                        (tgamma(0.5) * tgamma(1.0 / al) * tgamma(0.5 / al)),
                    2.0 * al);
     made[KR_A] = a;
-    made[KR_B] = pow(a, 0.5 - 0.5 / al) * tgamma(1.0 / al) / (2.0 * al) *
-                 pow(2.0, 2.0 * (1.0 - al) / al); /* the last factor is needed to meet table 3 */
+    /* So that it is Kirchhoff's integral at normal incidence, R^2 Gamma(1 / al) qc^(-1 / al) / (16 pi al), for any
+     * gamma (D. R. Jackson, D. P. Winebrenner and A. Ishimaru, J. Acoust. Soc. Am. 79, 1410 (1986)). */
+    made[KR_B] = pow(a, 0.5 + 0.5 / al) * tgamma(1.0 / al) / (2.0 * al);
     double c4 = pow(1000.0, 1.0 / (1.0 + al)) * pow(a * made[QC] * made[QC], 1.0 / al);
     made[KR_COSINE] = pow(1.0 / c4 + 4.0, -0.25);
 }

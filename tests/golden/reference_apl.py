@@ -28,6 +28,13 @@ def sediment(m):
             .002 if m < 5.5 else .001, 3.25, .00207 * h**2)
 
 
+def kirchhoff_at_normal(qc, al):
+    """The integral over the relief's structure function, (1 / 8 pi) int e^(-qc u^(2 al)) u du, by steps of ln u."""
+    last = math.log(60 / qc) / (2 * al)
+    return sum(math.exp(2 * t - qc * math.exp(2 * al * t)) for t in (last - .01 * i for i in range(4000))) * .01 / (
+        8 * math.pi)
+
+
 def bottom_db(numbers, f_khz, c_mps, deg):
     rho, nu, delta, sigma2, gamma, w2 = numbers
     k = 2 * math.pi * 1e3 * f_khz / c_mps / 100
@@ -45,10 +52,12 @@ def bottom_db(numbers, f_khz, c_mps, deg):
     ch2 = 2 * pi * w2 * G(2 - al) * 2**(-2 * al) / (al * (1 - al) * G(1 + al))
     qc = ch2 * 2**(1 - 2 * al) * k**(2 * (1 - al))
     a = (8 * al**2 * G(1 / (2 * al) + .5) / (G(.5) * G(1 / al) * G(1 / (2 * al))))**(2 * al)
-    b = a**(.5 - 1 / (2 * al)) * G(1 / al) / (2 * al)
+    b = a**(.5 + 1 / (2 * al)) * G(1 / al) / (2 * al)
     r0 = abs(R(pi / 2))**2
-    kr = (2**(2 * (1 - al) / al) * b * qc * r0 / (8 * pi)
+    kr = (b * qc * r0 / (8 * pi)
           / (math.cos(t)**(4 * al) + a * qc**2 * math.sin(t)**4)**((1 + al) / (2 * al)))
+    if deg == 90:
+        kr = r0 * kirchhoff_at_normal(qc, al)
     s = math.sqrt((2 * pi * w2)**(1 / al) / (2 * (1 - al)) * (k**2 / al)**((1 - al) / al))
 
     def small(u):
@@ -122,6 +131,11 @@ if __name__ == '__main__':
             print(f'apl-bottom {tail} {strength!r} 1e-03 0 # independent program')
             if j % 3 == 0:
                 print(f'apl-bottom-loss {tail} {loss!r} 1e-08 1e-08 # independent program')
+    for gamma in (2.4, 2.8, 3, 3.25, 3.5, 3.9):
+        rho, nu, delta = sediment(1.5)[:3]
+        strength = bottom_db((rho, nu, delta, .002, gamma, .0007), 100, 1528, 90)[0]
+        print(f'apl-bottom grain_size_phi=1.5 spectral_exponent={gamma:g} spectral_strength_cm4=0.0007 f_khz=100 '
+              f'c_mps=1528 grazing_deg=90 = {strength!r} 1e-03 0 # independent program')
     for i, u in enumerate((.2, 1, 3, 5.9, 6.1, 10.9, 12, 20, 30)):
         for j, deg in enumerate((.3, 5, 20, 50, 75, 86, 90)):
             f_khz = (1, 15, 70, 100, 1000)[(i + j) % 5]
