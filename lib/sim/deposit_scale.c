@@ -40,6 +40,14 @@ static double pattern_sr(const asdic_beam *beam, const dev_ping *ping) {
     return front + 2.0 * ASDIC_PI * ping->rear_lin;
 }
 
+/* The most that a deposit's loss may be above that of its bin's middle (ray_relative_loss): in the first bin at its
+ * beginning or where receiving begins, elsewhere at ranges of half the middle's or more. */
+static double relative_loss_most(const dev_ping *ping) {
+    double middle_m = 0.5 * ping->bin_m, np = 2.0 * ping->absorption_np_per_m;
+    double nearest_m = fmin(ping->blanking_m, middle_m), ratio = middle_m / nearest_m;
+    return fmax(ratio * ratio * exp(np * (middle_m - nearest_m)), 4.0 * exp(np * middle_m));
+}
+
 void asdic_deposit_scales(const asdic_scene *scene, const asdic_beam *transmitter,
                           const asdic_scatterer *scatterers, bool layers, dev_ping *ping) {
     double bottom = 1e-12, object = 1e-12;
@@ -59,13 +67,12 @@ void asdic_deposit_scales(const asdic_scene *scene, const asdic_beam *transmitte
     bound[DEV_DEPOSIT_VOLUME] = layers ? FOCUS : 1.0;
     /* All that the transmitter sends out meets the loudest thing there is. Multipath also comes from where
      * the transmitter does not look: there, all directions count at full gain. With few rays one of them may
-     * stand for much, and gets room. A factor of 4 covers the relative loss inside a bin, (d_n / d)^2 <= 4
-     * (ray_relative_loss); a factor of 2 covers the wavelength at another depth, whose square a facet's peak
-     * depends on. */
-    double sphere = 4.0 * ASDIC_PI;
+     * stand for much, and gets room. A factor of 2 covers the wavelength at another depth, whose square a facet's
+     * peak depends on. */
+    double sphere = 4.0 * ASDIC_PI, loss = relative_loss_most(ping);
     double sent = fmin(pattern_sr(transmitter, ping) + FEW_RAYS_SR / ping->batch.rays, sphere);
     for (int c = 0; c < DEV_DEPOSIT_COUNT; c++) {
-        double sum = 2.0 * 4.0 * (c == DEV_DEPOSIT_MULTIPATH ? sphere : sent) * bound[c];
+        double sum = 2.0 * loss * (c == DEV_DEPOSIT_MULTIPATH ? sphere : sent) * bound[c];
         ping->sums.scale[c] = (float)exp2(floor(61.0 - log2(sum)));
     }
     /* A sum overflows at 64 such deposits. Each needs a ray that stands for half of what the

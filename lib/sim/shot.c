@@ -184,6 +184,7 @@ void asdic_simulator_prepare(asdic_simulator *sim, const asdic_water_column *wat
         .range_m = (float)((double)sim->setup.bins * sim->setup.sonar.bin_length_m),
         .reach_m = (float)(((double)sim->setup.bins + 0.25) * sim->setup.sonar.bin_length_m),
         .bin_m = (float)sim->setup.sonar.bin_length_m,
+        .absorption_np_per_m = (float)water->absorption_np_per_m,
         .rear_lin = (float)pow(10.0, sim->setup.sonar.rear_floor_db / 10.0),
         .bottom_material = (dev_uint)sim->setup.scene->bottom_plane_material,
         .surface_material = (dev_uint)sim->setup.scene->material_count,

@@ -41,6 +41,7 @@ double hard_near_zenith(void);
 double hard_nadir(void);
 double hard_nulls(void);
 double hard_below_a_metre(void);
+double hard_long_bin(void);
 double hard_on_the_bottom(void);
 double hard_in_the_surface(void);
 double hard_every_attitude(void);

@@ -28,7 +28,7 @@ static asdic_ping *expectation(const ping_rig *r, size_t bins) {
  * Destroys the rig. */
 static difference compare(ping_rig *r, asdic_component component, size_t first, size_t end) {
     asdic_ping *ping = rig_shoot(r, 0, true), *truth = expectation(r, ping->bins);
-    size_t blanked = (size_t)ceil(r->sonar.blanking_m / r->sonar.bin_length_m - 1e-9);
+    size_t blanked = (size_t)floor(r->sonar.blanking_m / r->sonar.bin_length_m + 1e-9);
     difference d = {0.0, 0.0, true};
     double count = 0.0;
     first = first > blanked ? first : blanked;
@@ -99,6 +99,15 @@ double hard_below_a_metre(void) {
     r.sonar.blanking_m = 0.1;
     r.sampling.rays = 1 << 20;
     return compare(&r, ASDIC_TOTAL, 1, 10).most_db;
+}
+
+/* Half of what comes back does so from 30 times nearer than the bin's middle. */
+double hard_long_bin(void) {
+    ping_rig r = one_beam(11.7, 90.0);
+    r.sonar.bin_length_m = 20.0;
+    r.sonar.blanking_m = 0.1;
+    r.sampling.rays = 1 << 18;
+    return compare(&r, ASDIC_BOTTOM, 0, 1).most_db;
 }
 
 double hard_on_the_bottom(void) {

@@ -47,6 +47,7 @@ static const hard_case planes[] = {
     {"nadir, beam straight down", hard_nadir, 0.02, "dB"},
     {"deep nulls, three beams, 20,000 rays", hard_nulls, 0.6, "dB"},
     {"nearer than 1 m, altitude 0.55 m", hard_below_a_metre, 0.1, "dB"},
+    {"the bottom 0.3 m below, in a bin of 20 m", hard_long_bin, 0.1, "dB"},
     {"sonar on the bottom", hard_on_the_bottom, 0.05, "dB"},
     {"sonar in the surface", hard_in_the_surface, 0.05, "dB"},
     {"any axis: eight attitudes, r.m.s.", hard_every_attitude, 0.05, "dB"},
