@@ -119,11 +119,11 @@ static double volume_energy(integrand *in, double begin_m, double end_m) {
     return in->laws->volume_lin * sum;
 }
 
-static void compute_beam(const asdic_flat_laws *laws, const asdic_sonar *sonar,
+static void compute_beam(asdic_context *ctx, const asdic_flat_laws *laws, const asdic_sonar *sonar,
                          const asdic_ring_profile *profile, asdic_ping *ping, size_t beam) {
     integrand bottom = {laws, profile, laws->flat.altitude_m, false};
     integrand surface = {laws, profile, laws->flat.depth_m, true};
-    for (size_t n = 0; n < ping->bins; n++) {
+    for (size_t n = 0; n < ping->bins && !asdic_context_interrupted(ctx); n++) {
         double begin = fmax((double)n * sonar->bin_length_m, sonar->blanking_m);
         double end = (double)(n + 1) * sonar->bin_length_m;
         size_t at = beam * ping->bins + n;
@@ -192,8 +192,8 @@ typedef struct beams_job {
 static void compute_beams(void *user, unsigned worker, size_t first, size_t end) {
     const beams_job *j = user;
     (void)worker;
-    for (size_t b = first; b < end && !asdic_context_interrupted(j->ctx); b++) {
-        compute_beam(j->laws, j->sonar, j->profiles[b], j->ping, b);
+    for (size_t b = first; b < end; b++) {
+        compute_beam(j->ctx, j->laws, j->sonar, j->profiles[b], j->ping, b);
     }
 }
 

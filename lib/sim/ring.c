@@ -59,6 +59,10 @@ static bool in_front(const asdic_face *face, asdic_vec3 direction) {
     return asdic_mat3_apply(face->world_to_face, direction).x > 0.0;
 }
 
+/* Narrower arcs, rad, are what rounding makes of none: where faces look opposite ways, what one sees as its front the
+ * other must not. */
+#define NO_ARC 1e-9
+
 /* At most 5 arcs that cover the circle of elevation E (positive down) once; returns how many. */
 static size_t find_arcs(const asdic_ring *ring, double elevation_rad, arc arcs[5]) {
     double sin_e = sin(elevation_rad), cos_e = cos(elevation_rad);
@@ -78,8 +82,9 @@ static size_t find_arcs(const asdic_ring *ring, double elevation_rad, arc arcs[5
         arcs[i].end_rad = i + 1 < count ? edge[i + 1] : arcs[0].begin_rad + 2.0 * ASDIC_PI;
         double phi = 0.5 * (arcs[i].begin_rad + arcs[i].end_rad);
         asdic_vec3 u = {cos_e * cos(phi), cos_e * sin(phi), sin_e};
-        arcs[i].front_t = in_front(&ring->transmitter, u);
-        arcs[i].front_r = in_front(&ring->receiver, u);
+        bool is_arc = arcs[i].end_rad - arcs[i].begin_rad > NO_ARC;
+        arcs[i].front_t = is_arc && in_front(&ring->transmitter, u);
+        arcs[i].front_r = is_arc && in_front(&ring->receiver, u);
     }
     return count;
 }
