@@ -498,7 +498,9 @@ static asdic_status furnish(asdic_simulator *sim, const asdic_water_column *wate
         TRY(create_kernels(sim));
     }
     TRY(asdic_store_create_device(sim));
-    TRY(asdic_faces_init(&sim->learnt.faces, sim->device, scene_echoes(sim) ? scene : NULL));
+    /* Rays that bend in layers would miss the faces they are aimed at by one fitted bend, and those faces' energy. */
+    bool aims = scene_echoes(sim) && sim->setup.layer_count == 0;
+    TRY(asdic_faces_init(&sim->learnt.faces, sim->device, aims ? scene : NULL));
     TRY(asdic_truth_init(sim));
     TRY(asdic_speckle_create(sim->ctx, &sim->setup.sonar, water->sound_speed_mps, sim->setup.bins,
                              sim->setup.threads, &sim->speckle));

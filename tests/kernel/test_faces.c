@@ -61,6 +61,41 @@ static void rays_at_faces_add_up(void **state) {
 }
 
 /* Without objects no rays are aimed at faces. */
+/* What rays of SAMPLER hear of a wall of 30 m by 3 m, 38 m ahead, that stands below a thermocline. */
+static double heard_of_a_wall(asdic_sampler sampler, unsigned rays) {
+    ping_rig r = rig_create(&t);
+    asdic_mesh *mesh = NULL;
+    double sum = 0.0;
+    r.env.sound_speed_profile = (asdic_sound_profile){
+        6, {0.0, 3.0, 5.5, 8.0, 10.0, 40.0}, {1482.0, 1481.0, 1472.0, 1449.0, 1436.0, 1431.0}};
+    r.env.refraction = ASDIC_REFRACTION_FULL;
+    r.env.max_depth_m = 40.0;
+    r.pose.position_m = (asdic_vec3){0.0, 0.0, 3.0};
+    r.sampling.sampler = sampler;
+    r.sampling.rays = rays;
+    assert_ok(t.ctx, asdic_mesh_box(t.ctx, (asdic_vec3){0.1, 30.0, 3.0}, &mesh));
+    assert_ok(t.ctx, asdic_scene_add_object(r.scene, "wall", mesh,
+                                            (asdic_pose){.position_m = {38.0, 0.0, 9.5}},
+                                            asdic_material_bottom(2.0)));
+    asdic_ping *ping = rig_shoot(&r, 0, true);
+    for (size_t n = 0; n < ping->bins; n++) {
+        sum += ping->intensity_lin[ASDIC_OBJECT][n];
+    }
+    asdic_ping_destroy(&ping);
+    asdic_mesh_destroy(&mesh);
+    rig_destroy(&r);
+    return asdic_level_db(sum);
+}
+
+/* Rays that follow layers miss faces which they were aimed at by one bend, and nothing made up for it. */
+static void a_wall_in_layers_is_heard_whole(void **state) {
+    (void)state;
+    double aimed_db = heard_of_a_wall(ASDIC_SAMPLER_ADAPTIVE, 1u << 16);
+    double even_db = heard_of_a_wall(ASDIC_SAMPLER_BEAM, 1u << 18);
+    print_message("a wall below a thermocline: %.2f and %.2f dB\n", aimed_db, even_db);
+    assert_true(fabs(aimed_db - even_db) < 0.3);
+}
+
 static void a_floor_alone_has_no_faces(void **state) {
     (void)state;
     ping_rig r = rig_create(&t);
@@ -160,6 +195,7 @@ int main(void) {
     t = test_device_open_or_skip();
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(rays_at_faces_add_up),
+        cmocka_unit_test(a_wall_in_layers_is_heard_whole),
         cmocka_unit_test(a_floor_alone_has_no_faces),
         cmocka_unit_test(a_piece_that_mirrors_is_heard),
     };
