@@ -78,8 +78,8 @@ static void remark_rays(const asdic_mission *m, asdic_remarks *out) {
     }
 }
 
-/* Bins in a cell of the range resolution: more are the same echo over and over. */
-#define MOST_BINS 10.0
+/* Bins in a cell of the range resolution: of more a bin holds so little of an echo that it is to be said. */
+#define MOST_BINS 2.0
 
 /* Where a transmitter sends less than this, re its axis, it was hardly meant to be heard. */
 #define LEAST_SENT 0.01
@@ -101,10 +101,12 @@ static void remark_on_sonar(const asdic_settings *settings, double speed_mps, as
     const asdic_sonar *sonar = &settings->sonar;
     double cell_m = speed_mps / (2.0 * sonar->bandwidth_hz);
     if (out->count < ASDIC_MOST_REMARKS && cell_m > MOST_BINS * sonar->bin_length_m) {
-        snprintf(out->text[out->count++], ASDIC_REMARK_SIZE,
-                 "sonar: the range resolution c / (2 bandwidth) of %.4g m is %.0f bins; "
-                 "'bandwidth_khz' is %g kHz",
-                 cell_m, cell_m / sonar->bin_length_m, 1e-3 * sonar->bandwidth_hz);
+        snprintf(
+            out->text[out->count++], ASDIC_REMARK_SIZE,
+            "sonar: the range resolution c / (2 bandwidth) of %.4g m is %.3g bins, of which each "
+            "holds its part of an echo, %.1f dB less than all; 'bandwidth_khz' is %g kHz",
+            cell_m, cell_m / sonar->bin_length_m, 10.0 * log10(cell_m / sonar->bin_length_m),
+            1e-3 * sonar->bandwidth_hz);
     }
     double wavelength_m = speed_mps / sonar->frequency_hz;
     size_t dark = receivers_in_the_dark(sonar, wavelength_m);
@@ -119,6 +121,71 @@ static void remark_on_sonar(const asdic_settings *settings, double speed_mps, as
         snprintf(
             out->text[out->count++], ASDIC_REMARK_SIZE,
             "sonar: no 'source_level_db': levels are those of a source of 0 dB re 1 uPa at 1 m");
+    }
+}
+
+/* Of bodies smaller than this, k times the radius about them, geometric optics is no guide (docs/model.md). */
+#define LEAST_KA 5.0
+
+static void remark_on_small_objects(const asdic_mission *m, double wavelength_m,
+                                    asdic_remarks *out) {
+    const asdic_part *least = NULL;
+    size_t small = 0;
+    for (size_t i = 0; i < m->scene->part_count; i++) {
+        const asdic_part *part = &m->scene->parts[i];
+        bool is_small = part->kind == DEV_KIND_OBJECT &&
+                        2.0 * ASDIC_PI * part->radius_m / wavelength_m < LEAST_KA;
+        small += is_small;
+        least = is_small && (!least || part->radius_m < least->radius_m) ? part : least;
+    }
+    if (small > 0 && out->count < ASDIC_MOST_REMARKS) {
+        snprintf(
+            out->text[out->count++], ASDIC_REMARK_SIZE,
+            "objects: of '%s' k a is %.2g, and %zu in all have less than %g: too small for rays "
+            "and facets; a 'point' has the strength that is known of it",
+            least->name, 2.0 * ASDIC_PI * least->radius_m / wavelength_m, small, LEAST_KA);
+    }
+}
+
+/* Pings that are looked at for how the vehicle moves; in between it moves alike. */
+#define MOVES 1000
+
+/* How far the vehicle goes and turns from a ping's beginning to its last echo, at most: a ping is simulated as of one
+ * instant. */
+static void most_move(const asdic_mission *m, double ping_s, double *turn_rad, double *way_m) {
+    uint64_t pings = asdic_mission_ping_count(m), step = pings / MOVES + 1;
+    for (uint64_t i = 0; i + 1 < pings; i += step) {
+        double at_s, next_s;
+        asdic_pose a = asdic_mission_pose(m, i, &at_s), b = asdic_mission_pose(m, i + 1, &next_s);
+        double share = next_s > at_s ? fmin(ping_s / (next_s - at_s), 1.0) : 0.0;
+        double turns[3] = {b.yaw_rad - a.yaw_rad, b.pitch_rad - a.pitch_rad,
+                           b.roll_rad - a.roll_rad};
+        for (int k = 0; k < 3; k++) {
+            *turn_rad = fmax(*turn_rad, share * fabs(remainder(turns[k], 2.0 * ASDIC_PI)));
+        }
+        asdic_vec3 way = asdic_vec3_sub(b.position_m, a.position_m);
+        *way_m = fmax(*way_m, share * asdic_vec3_length(way));
+    }
+}
+
+/* Bins that the vehicle may go in a ping unremarked. */
+#define MOST_WAY 10.0
+
+static void remark_on_motion(const asdic_mission *m, double speed_mps, asdic_remarks *out) {
+    const asdic_sonar *sonar = &m->settings.sonar;
+    double range_m = asdic_sonar_max_range_m(sonar, speed_mps), turn_rad = 0.0, way_m = 0.0;
+    double width_rad = INFINITY;
+    for (size_t b = 0; b < sonar->receiver_count; b++) {
+        width_rad = fmin(width_rad, asdic_beam_width_rad(sonar, b, speed_mps));
+    }
+    most_move(m, 2.0 * range_m / speed_mps, &turn_rad, &way_m);
+    bool moves = turn_rad > width_rad || way_m > MOST_WAY * sonar->bin_length_m;
+    if (moves && out->count < ASDIC_MOST_REMARKS) {
+        snprintf(
+            out->text[out->count++], ASDIC_REMARK_SIZE,
+            "mission: until the last echo of a ping the vehicle goes up to %.2g m and turns up to "
+            "%.2g degrees, of beams of %.2g; a ping is simulated as of one instant",
+            way_m, turn_rad * (180.0 / ASDIC_PI), width_rad * (180.0 / ASDIC_PI));
     }
 }
 
@@ -159,7 +226,10 @@ asdic_remarks asdic_mission_remarks(const asdic_mission *mission) {
     }
     remark_rays(mission, &rest);
     asdic_mission_remark_water(mission, &rest);
-    remark_on_sonar(&mission->settings, asdic_environment_sound_speed_mps(env, s.z_m), &rest);
+    double speed_mps = asdic_environment_sound_speed_mps(env, s.z_m);
+    remark_on_small_objects(mission, speed_mps / mission->settings.sonar.frequency_hz, &rest);
+    remark_on_motion(mission, speed_mps, &rest);
+    remark_on_sonar(&mission->settings, speed_mps, &rest);
     append(&out, &rest);
     return out;
 }

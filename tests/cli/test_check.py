@@ -266,12 +266,39 @@ mission:"""
     tap.equal(remarks_on(MINIMAL.replace("mission:", objects)),
               "warning: object 'grave' lies wholly below the bottom; z is positive down  [objects[0]]\n"
               "warning: object 'tank' has the sonar inside it at ping 0  [objects[2]]\n")
-    tap.equal(remarks_on(MINIMAL.replace("  source", "  bandwidth_khz: 0.15\n  source")), "")
-    tap.contains(remarks_on(MINIMAL.replace("  source", "  bandwidth_khz: 0.14\n  source")),
-                 "remark: sonar: the range resolution c / (2 bandwidth) of 5.3")
+    tap.equal(remarks_on(MINIMAL.replace("  source", "  bandwidth_khz: 0.75\n  source")), "")
+    tap.contains(remarks_on(MINIMAL.replace("  source", "  bandwidth_khz: 0.149\n  source")),
+                 "remark: sonar: the range resolution c / (2 bandwidth) of 5 m is 10 bins, of which each holds "
+                 "its part of an echo, 10.0 dB less than all; 'bandwidth_khz' is 0.149 kHz")
     tap.equal(remarks_on(MINIMAL.replace("depth_m: 12", "depth_m: 81")), "")
     tap.equal(remarks_on(MINIMAL.replace("depth_m: 12", "depth_m: 82")),
               "warning: the bottom is never in range: 75 m away, heard to 74.51 m  [bottom]\n")
+
+
+def test_bodies_of_few_wavelengths_are_remarked_on():
+    """Of 15 mm, k a is 5.03 at a radius of 12 mm."""
+    ball = "objects:\n  - {name: %s, sphere: {radius_m: %g}, position_m: [5, 0, 7]}\n"
+    tap.equal(remarks_on(MINIMAL.replace("mission:", ball % ("a", 0.012) + "mission:")), "")
+    both = ball % ("a", 0.011) + (ball % ("b", 0.007)).split("\n", 1)[1]
+    tap.equal(remarks_on(MINIMAL.replace("mission:", both + "mission:")),
+              "remark: objects: of 'b' k a is 3, and 2 in all have less than 5: too small for rays and facets; a "
+              "'point' has the strength that is known of it\n")
+
+
+def test_motion_within_a_ping_is_remarked_on():
+    """A ping of 0.1 s and beams of 15 degrees; 50 m/s are ten bins of 0.5 m, 150 degrees per second a beam."""
+    with folder(own_yaml="") as at:
+        def remarks(speed_mps, turn_dps):
+            rows = "".join(f"{s},{speed_mps * s},0,7,0,0,{turn_dps * s}\n" for s in range(3))
+            pathlib.Path(at, "track.csv").write_text("time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n" + rows)
+            scene = re.sub(r"mission:.*", "mission: {track: track.csv, pings: 10}", MINIMAL, flags=re.DOTALL)
+            pathlib.Path(at, "scene.yaml").write_text(scene)
+            return asdic("check", pathlib.Path(at, "scene.yaml")).check(0).err
+        tap.equal(remarks(45, 0), "")
+        tap.contains(remarks(60, 0), "remark: mission: until the last echo of a ping the vehicle goes up to 6 m and "
+                     "turns up to 0 degrees, of beams of ")
+        tap.equal(remarks(0, 90), "")
+        tap.contains(remarks(0, 170), "turns up to 17 degrees")
 
 
 def test_a_missing_source_level_is_remarked_on():
