@@ -145,8 +145,10 @@ static void print_sights(const asdic_detect_report *r) {
     for (size_t i = 0, end; i < r->sight_count; i = end) {
         const asdic_detect_sight *best = &r->sights[i];
         for (end = i; end < r->sight_count && strcmp(r->sights[end].object, best->object) == 0;) {
-            best = r->sights[end].snr_db > best->snr_db ? &r->sights[end] : best;
-            end++;
+            const asdic_detect_sight *next = &r->sights[end++];
+            bool is_better =
+                next->pd > best->pd || (next->pd == best->pd && next->snr_db > best->snr_db);
+            best = is_better ? next : best;
         }
         if (end - i > MOST_BEAMS) {
             char beam[ASDIC_NAME_SIZE + 32];

@@ -1,9 +1,11 @@
 """asdic detect: what is printed is what --json says; which options go together; whose detector it is."""
+import csv
 import json
 import os
 
 import tap
 from program import Folder, asdic, need_device
+from run_folder import data
 
 # A ball before nine beams side by side, which all hear it.
 SCENE = """version: 1
@@ -99,8 +101,44 @@ def test_text_says_what_json_says():
         tap.equal(said["detections"], sum(row["detected"] for row in said["confusion"]), "detections")
         # Of nine beams the one in which the ball stands out most.
         tap.equal([s["object"] for s in said["objects"]], ["ball"] * 9, "nine beams hear it")
-        best = max(said["objects"], key=lambda s: s["snr_db"])
+        best = max(said["objects"], key=lambda s: (s["pd"], s["snr_db"]))
         tap.contains(done.out, "\n" + sight_row(best, best["beam"] + ", best of 9") + "\n")
+
+
+SHADOWED = """version: 1
+environment: {particle_density: low}
+bottom: {depth_m: 10, type: sand}
+objects:
+  - name: box
+    box: {size_m: [2, 1.5, 1]}
+    position_m: [18, 0, 9.5]
+    material: {impedance_mrayl: 8, roughness_rms_mm: 2, slope_rms: 0.3}
+sonar:
+  frequency_khz: 700
+  bandwidth_khz: 20
+  max_range_m: 30
+  ping_rate_hz: 2
+  source_level_db: 200
+  bin_length_m: 0.1
+  transmitter: {length_h_m: 0.06, length_v_m: 0.005}
+  receivers: [{name: head, length_h_m: 0.06, length_v_m: 0.005}]
+  speckle: rayleigh
+mission: {pose: {position_m: [0, 0, 7], pitch_deg: -5}, pings: 4}
+sampling: {rays: 10000}
+output: {csv: none, images: []}
+"""
+
+
+def test_an_object_stands_out_from_the_threshold():
+    """In its own shadow a weak echo is 50 dB above all else in its bin, and far below the threshold: the bin where the
+    object is best detected is another, and of those that were found none is better."""
+    need_device()
+    with Folder() as folder:
+        made(folder, SHADOWED)
+        seen, = report(folder)["objects"]
+        rows = csv.DictReader(data(folder, "out", "detections.csv").decode().splitlines())
+        found = [float(row["pd"]) for row in rows if row["truth"] == "box"]
+        tap.equal(len(found) > 3 and seen["pd"] > max(found) - 1e-6, True, f"P_D {seen['pd']}, found with {found}")
 
 
 def test_means_have_no_false_alarms():

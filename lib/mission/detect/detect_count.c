@@ -171,7 +171,8 @@ static asdic_detect_class *class_of(asdic_detect_job *job, size_t cell) {
     return &others[NONE];
 }
 
-/* Finds the objects that the beam sees in this ping, and the bin where each stands out most. */
+/* Finds the objects that the beam sees in this ping, and the bin where each stands out most from the threshold: re
+ * what else is in its bin a weak echo may stand out more, in the object's own shadow. */
 static void count_sights(asdic_detect_job *job, const asdic_record *record, size_t beam) {
     size_t bins = job->info.bins;
     const double *threshold_lin = asdic_scan_get(job->scan).threshold_lin;
@@ -192,9 +193,10 @@ static void count_sights(asdic_detect_job *job, const asdic_record *record, size
             job->sight_hit[at] = true;
             s->pings_detected++;
         }
-        double snr_db = asdic_level_db(job->object_lin[cell] / job->rest_lin[cell]);
-        if (snr_db > s->snr_db) {
-            s->snr_db = snr_db;
+        double over = job->object_lin[cell] / threshold_lin[cell];
+        if (over > job->sight_most[at]) {
+            job->sight_most[at] = over;
+            s->snr_db = asdic_level_db(job->object_lin[cell] / job->rest_lin[cell]);
             s->ping = (size_t)record->ping;
             s->range_m = ((double)n + 0.5) * job->info.sonar->bin_length_m;
             s->pd = asdic_detect_bin_pd(job, cell);

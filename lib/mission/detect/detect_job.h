@@ -53,6 +53,7 @@ typedef struct asdic_detect_job {
     asdic_detect_report *report;
     uint64_t *sight_ping; /* by sight: 1 + the last ping with a bin of it */
     bool *sight_hit;      /* ... and whether it was detected in that */
+    double *sight_most;   /* its echo over the threshold where that is most */
 } asdic_detect_job;
 
 /* detect_output.c: opens the files and writes their first line; the rows, and the message, of a

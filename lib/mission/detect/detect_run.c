@@ -133,9 +133,10 @@ static asdic_status allocate(asdic_detect_job *job) {
     size_t sights = asdic_namer_count(job->namer) * job->info.beams;
     job->sight_ping = calloc(sights, sizeof *job->sight_ping);
     job->sight_hit = calloc(sights, sizeof *job->sight_hit);
+    job->sight_most = calloc(sights, sizeof *job->sight_most);
     job->track_north_m = calloc(2 * (job->info.pings + 1), sizeof *job->track_north_m);
     if (!job->intensity_lin || !job->truth || !job->label || !job->detected || !job->error_db ||
-        !job->plots || !job->plot_cell || !job->sight_ping || !job->sight_hit ||
+        !job->plots || !job->plot_cell || !job->sight_ping || !job->sight_hit || !job->sight_most ||
         !job->track_north_m) {
         return asdic_fail_memory(job->ctx, "detections");
     }
@@ -338,6 +339,7 @@ static void finish(asdic_detect_job *job) {
     free(job->plot_cell);
     free(job->sight_ping);
     free(job->sight_hit);
+    free(job->sight_most);
     free(job->track_seen);
     free(job->track_north_m);
 }
