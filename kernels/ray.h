@@ -128,11 +128,11 @@ FORMULA real ray_per_steradian(const ray *r, real t, real density, real cosine) 
 }
 
 /* Range that a step of SPLAT (ray_sample in sampler.h) in elevation covers on a surface with unit NORMAL,
- * met at T at a grazing angle with SIN_GRAZING. */
+ * met at T at a grazing angle with SIN_GRAZING; 0 where no splat meets nothing, which is 0 times infinity. */
 FORMULA real ray_footprint(const ray *r, real t, real splat, triple normal, real sin_grazing) {
     real across = sqrt(r_max((R(1.0) - r->u.z) * (R(1.0) + r->u.z), R(1e-12)));
     real tangent = (-r->u.z * (r->u.x * normal.x + r->u.y * normal.y)) / across + across * normal.z;
-    return splat * t * r_abs(tangent) / sin_grazing;
+    return splat * r_min(t, R(1.0e30)) * r_abs(tangent) / sin_grazing;
 }
 
 /* The loss on the way over that of a straight ray of RANGE. */
