@@ -127,9 +127,18 @@ static asdic_status keep_tolerance(cli *c, asdic_mission *mission, asdic_device 
                                    const asdic_tolerance *wanted, size_t first, size_t pings) {
     asdic_ray_budget found;
     TRY(asdic_mission_find_rays(cli_context(c), mission, device, wanted, &found));
-    double kept = found.judged ? 1.0 - (double)found.rough_count / (double)found.judged : 1.0;
-    cli_note(c, "tolerance %g dB: %u rays per ping keep it in %.4g %% of bins, worst bin %.3g dB",
-             wanted->stderr_db, found.rays, 100.0 * kept, found.worst_db);
+    if (found.judged == 0) {
+        cli_warning(
+            c,
+            "tolerance %g dB: no bin is above the noise in %zu ping%s looked at, so that none "
+            "can keep it; the %u rays per ping stay as they are",
+            wanted->stderr_db, found.pings, found.pings == 1 ? "" : "s", found.rays);
+    } else {
+        double kept = 1.0 - (double)found.rough_count / (double)found.judged;
+        cli_note(c,
+                 "tolerance %g dB: %u rays per ping keep it in %.4g %% of bins, worst bin %.3g dB",
+                 wanted->stderr_db, found.rays, 100.0 * kept, found.worst_db);
+    }
     double lessons = (double)asdic_mission_lessons(mission, first, pings);
     double seconds = found.ping_s * (double)pings + found.learn_s * lessons;
     cli_note(c, "  %zu %s about %.3g %s on one device", pings,

@@ -371,7 +371,13 @@ static asdic_status find_rays(cli *c, request *r, asdic_device *device) {
         asdic_ray_budget found;
         TRY(asdic_trial_find_rays(cli_context(c), device, o, v, &wanted, &found));
         o->rays = found.rays > o->rays ? found.rays : o->rays;
-        if (!found.is_kept) {
+        if (found.judged == 0) {
+            cli_warning(
+                c,
+                "tolerance %g dB: no bin is above the noise along the way of run 0, so that "
+                "none can keep it; the search ends at its first %u rays per ping",
+                wanted.stderr_db, found.rays);
+        } else if (!found.is_kept) {
             cli_warning(c, "%u rays per ping do not keep %g dB: the worst bin has %.3g dB",
                         found.rays, wanted.stderr_db, found.worst_db);
         }

@@ -148,9 +148,10 @@ static asdic_status try_rays(asdic_context *ctx, asdic_mission *mission, asdic_d
     return status;
 }
 
-/* Whether SHARE of the bins that count keep the tolerance. */
+/* Whether SHARE of the bins that count keep the tolerance; where none counts, nothing is known. */
 static bool is_kept(const asdic_ray_budget *budget, double share) {
-    return (double)budget->rough_count <= (1.0 - share) * (double)budget->judged;
+    return budget->judged > 0 &&
+           (double)budget->rough_count <= (1.0 - share) * (double)budget->judged;
 }
 
 asdic_status asdic_mission_find_rays(asdic_context *ctx, asdic_mission *mission,
@@ -166,12 +167,18 @@ asdic_status asdic_mission_find_rays(asdic_context *ctx, asdic_mission *mission,
                           tolerance->stderr_db, tolerance->share);
     }
     asdic_sampling *sampling = asdic_mission_sampling(mission);
+    if (sampling->coherent) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                          "a tolerance of %g dB cannot be kept with 'sampling: {coherent: true}', "
+                          "whose pings state no error; set the number of rays instead",
+                          tolerance->stderr_db);
+    }
     uint32_t most = tolerance->most_rays;
     *out = (asdic_ray_budget){.rays = sampling->rays};
     for (;;) {
         TRY(try_rays(ctx, mission, device, tolerance->stderr_db, out));
         out->is_kept = is_kept(out, tolerance->share);
-        if (out->is_kept || out->rays >= most) {
+        if (out->is_kept || out->judged == 0 || out->rays >= most) {
             break;
         }
         out->rays = out->rays > most / 2 ? most : 2 * out->rays;

@@ -570,6 +570,26 @@ def test_tolerance_is_for_a_share_of_the_bins():
         asdic("run", path, "--tolerance-percent", 50, "-o", folder / "no").check(code=2, out="")
 
 
+def test_tolerance_needs_a_bin_and_an_error():
+    """A scene that the noise drowns is not said to keep one, and coherent pings are refused."""
+    program.need_device()
+    with Folder() as folder:
+        quiet = folder.write("quiet.yaml", "version: 1\nbottom: {depth_m: 12}\nsonar: {frequency_khz: 100, ping_rate_hz: 50, "
+                             "source_level_db: 20, receivers: [{name: a}]}\nmission: {pose: {position_m: [0, 0, 7]}}\n"
+                             "output: {images: []}\n")
+        done = asdic("run", quiet, "--rays", 64, "--tolerance", 0.5, "-o", folder / "r").check(code=0)
+        tap.contains(done.err, "tolerance 0.5 dB: no bin is above the noise in 1 ping looked at, so that none can keep it; "
+                               "the 64 rays per ping stay as they are")
+        tap.lacks(done.err, "100 %")
+        tap.equal(facts(folder, "r")["rays"], 64)
+        text = folder.read("quiet.yaml").replace("receivers: [{name: a}]", "array: {elements: 8, beams: {count: 3, sector_deg: 30}}")
+        array = folder.write("array.yaml", text + "sampling: {coherent: true}\n")
+        done = asdic("run", array, "--tolerance", 0.5, "-o", folder / "c").check(code=2)
+        tap.contains(done.err, "a tolerance of 0.5 dB cannot be kept with 'sampling: {coherent: true}', whose pings state no "
+                               "error; set the number of rays instead")
+        tap.equal(folder.names(), ["array.yaml", "quiet.yaml", "r"], "files afterwards")
+
+
 def test_tolerance_says_the_time():
     """That of a ping and of its learning, both of which were measured on the way."""
     program.need_device()

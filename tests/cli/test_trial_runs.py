@@ -177,6 +177,10 @@ def test_rays_by_a_tolerance():
         asdic("trial", path, "--runs", 2, "--tolerance", 3, "-o", folder / "rise").check(code=0)
         done = asdic("trial", path, "--rays", 500, "--tolerance", 1, "-o", folder / "x").check(code=2)
         tap.contains(done.err, "--rays and --tolerance exclude each other")
+        path = folder.write("quiet.yaml", WALL.replace("time_s: 45", "time_s: 1").replace("db: 200", "db: 20"))
+        done = asdic("trial", path, "--runs", 1, "--tolerance", 3, "-o", folder / "quiet").check(code=0)
+        tap.contains(done.err, "tolerance 3 dB: no bin is above the noise along the way of run 0, so that none can keep it; "
+                               "the search ends at its first 1024 rays per ping")
 
 
 def test_rays_of_its_own_choice():

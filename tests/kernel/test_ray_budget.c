@@ -167,6 +167,19 @@ static void the_noise_hides_bins(void **state) {
     asdic_mission_destroy(&m);
 }
 
+/* Where no bin is above the noise the search ends at once, and claims nothing. */
+static void in_silence_nothing_is_kept(void **state) {
+    (void)state;
+    asdic_mission *m = load(20.0, "true", 1.0);
+    asdic_ray_budget budget;
+    asdic_tolerance tolerance = {.stderr_db = 3.0, .share = 0.5, .most_rays = 1600};
+    assert_ok(t.ctx, asdic_mission_find_rays(t.ctx, m, t.device, &tolerance, &budget));
+    assert_int_equal(budget.judged, 0);
+    assert_int_equal(budget.rays, 400);
+    assert_false(budget.is_kept);
+    asdic_mission_destroy(&m);
+}
+
 static void wrong_tolerances_are_refused(void **state) {
     (void)state;
     static const asdic_tolerance bad[] = {
@@ -182,6 +195,9 @@ static void wrong_tolerances_are_refused(void **state) {
                   ASDIC_ERROR_ARGUMENT);
     assert_status(t.ctx, asdic_mission_find_rays(t.ctx, m, NULL, &good, &budget),
                   ASDIC_ERROR_ARGUMENT);
+    asdic_mission_sampling(m)->coherent = true; /* whose pings state no error */
+    assert_status(t.ctx, asdic_mission_find_rays(t.ctx, m, t.device, &good, &budget),
+                  ASDIC_ERROR_ARGUMENT);
     asdic_mission_destroy(&m);
 }
 
@@ -191,6 +207,7 @@ int main(void) {
         cmocka_unit_test(pings_are_spread_over_the_mission),
         cmocka_unit_test(rays_double_until_they_suffice),
         cmocka_unit_test(the_noise_hides_bins),
+        cmocka_unit_test(in_silence_nothing_is_kept),
         cmocka_unit_test(wrong_tolerances_are_refused),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);

@@ -411,6 +411,23 @@ def test_a_scene_from_arrays_warns_once():
     tap.equal(sum("beyond the maximum range" in message for message in told), 1, f"{told}")
 
 
+def test_no_tolerance_is_kept_by_no_bin():
+    """Nor by coherent pings, which state no error."""
+    need_device()
+    import warnings  # pylint: disable=import-outside-toplevel
+    sonar = {"frequency_khz": 100, "ping_rate_hz": 20, "source_level_db": 20, "receivers": [{"name": "a"}]}
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        asdic.simulate(pool(sonar=sonar), rays=64, tolerance_db=0.5)
+    tap.contains("".join(str(w.message) for w in said),
+                 "no bin is above the noise, so that none can keep 0.5 dB; the 64 rays a ping stay")
+    del sonar["receivers"]
+    array = pool(sonar={**sonar, "array": {"elements": 8, "beams": {"count": 3, "sector_deg": 30}}},
+                 sampling={"rays": 64, "coherent": True})
+    raises(asdic.ArgumentError, "cannot be kept with 'sampling: {coherent: true}'",
+           lambda: asdic.simulate(array, tolerance_db=0.5))
+
+
 def test_nothing_is_left_behind():
     """Handles are destroyed: a thousand pings cost no more memory than one."""
     need_device()

@@ -320,19 +320,20 @@ typedef struct asdic_tolerance {
 /* How many rays a tolerance takes. */
 typedef struct asdic_ray_budget {
     uint32_t rays;      /* per ping */
-    bool is_kept;       /* false: most_rays do not keep the tolerance */
+    bool is_kept;       /* false: most_rays do not keep the tolerance, or no bin counts */
     size_t pings;       /* looked at: spread over the mission, whatever part of it is run */
     double worst_db;    /* largest stated error in a bin that counts */
     double ping_s;      /* what the quickest of them took, one device at work and nothing learnt */
     double learn_s;     /* and the quickest learning, once in ASDIC_LEARN_BLOCK pings */
-    size_t judged;      /* bins that count */
+    size_t judged;      /* bins that count; 0: the search ended with the rays it began with */
     size_t rough_count; /* of these, bins above the tolerance */
     asdic_rough_bin rough[ASDIC_ROUGH_BINS]; /* the roughest first; empty when all bins keep it */
 } asdic_ray_budget;
 
 /* Doubles the mission's rays until TOLERANCE is kept or its most rays are reached; sets the
  * mission's rays to what it found. The answer depends on the mission and the kind of device alone,
- * so that parts of a mission agree. */
+ * so that parts of a mission agree. ASDIC_ERROR_ARGUMENT with coherent pings, whose errors are not
+ * stated. */
 ASDIC_API asdic_status asdic_mission_find_rays(asdic_context *ctx, asdic_mission *mission,
                                                asdic_device *device,
                                                const asdic_tolerance *tolerance,

@@ -39,7 +39,9 @@ def _keep_tolerance(context: Context, mission: Handle, devices: Handle, toleranc
                                            "most_rays": 1 << 22})
     budget = ffi.new("asdic_ray_budget *")
     context.run(lib.asdic_mission_find_rays, context.pointer, mission.pointer, devices.pointer[0], wanted, budget)
-    if not budget.is_kept:
+    if budget.judged == 0:
+        warn(f"no bin is above the noise, so that none can keep {tolerance_db:g} dB; the {budget.rays} rays a ping stay")
+    elif not budget.is_kept:
         warn(f"{budget.rough_count} of {budget.judged} bins stay above {tolerance_db:g} dB with {budget.rays} rays a ping")
 
 
