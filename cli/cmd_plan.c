@@ -8,7 +8,6 @@
 #include "size.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 typedef struct forecast {
@@ -17,30 +16,8 @@ typedef struct forecast {
     double first_s, learn_s, ping_s; /* kernels and upload; a lesson; every ping */
     double write_s;                  /* every ping into the files */
     size_t lessons;
-    double median_db, worst_db, rms_db; /* stated standard error */
+    asdic_run_errors errors; /* stated */
 } forecast;
-
-static int compare_floats(const void *a, const void *b) {
-    float x = *(const float *)a, y = *(const float *)b;
-    return (x > y) - (x < y);
-}
-
-/* Stated error, r.m.s., of the bins whose echo is at least as strong as the noise. */
-static double rms_of_heard(const asdic_ping *ping) {
-    double sum = 0.0;
-    size_t heard = 0;
-    for (size_t i = 0; i < ping->beams * ping->bins; i++) {
-        double echo_lin = 0.0, error_db = ping->stderr_db[i];
-        for (int c = ASDIC_BOTTOM; c < ASDIC_NOISE; c++) {
-            echo_lin += ping->intensity_lin[c][i];
-        }
-        if (echo_lin > 0.0 && echo_lin >= ping->intensity_lin[ASDIC_NOISE][i]) {
-            sum += error_db * error_db;
-            heard++;
-        }
-    }
-    return heard ? sqrt(sum / (double)heard) : NAN;
-}
 
 /* Shoots the mission's first ping a few times: the forecast is a measurement. */
 static asdic_status shoot(cli_progress *progress, asdic_simulator *sim, const asdic_pose *pose,
@@ -59,11 +36,6 @@ static asdic_status shoot(cli_progress *progress, asdic_simulator *sim, const as
         TRY(asdic_simulator_ping(sim, pose, 0, ping));
         f->ping_s = fmin(f->ping_s, cli_clock_s() - start);
     }
-    size_t cells = ping->beams * ping->bins;
-    f->rms_db = rms_of_heard(ping);
-    qsort(ping->stderr_db, cells, sizeof(float), compare_floats);
-    f->median_db = ping->stderr_db[cells / 2];
-    f->worst_db = ping->stderr_db[cells - 1];
     f->known = true;
     return ASDIC_OK;
 }
@@ -85,6 +57,9 @@ static asdic_status measure(cli *c, asdic_mission *mission, asdic_device *device
     f->lessons = asdic_mission_lessons(mission, 0, asdic_mission_ping_count(mission));
     if (!status) {
         status = shoot(progress, sim, &pose, ping, f);
+    }
+    if (!status) {
+        status = asdic_ping_get_errors(ctx, ping, &f->errors);
     }
     if (!status) {
         status = asdic_mission_time_writing(ctx, mission, ping, &f->write_s);
@@ -162,12 +137,13 @@ static void print_text(const asdic_mission *mission, const asdic_plan *plan,
     }
     if (f->known && !asdic_mission_sampling((asdic_mission *)mission)->coherent) {
         char heard[64] = "no bin is above the noise";
-        if (!isnan(f->rms_db)) {
-            snprintf(heard, sizeof heard, "%.2f dB r.m.s. in bins above the noise", f->rms_db);
+        if (!isnan(f->errors.rms_db)) {
+            snprintf(heard, sizeof heard, "%.2f dB r.m.s. in bins above the noise",
+                     f->errors.rms_db);
         }
         printf(
             "stated standard error of the first ping: %s; of all, median %.3f dB, worst %.2f dB\n",
-            heard, f->median_db, f->worst_db);
+            heard, f->errors.median_db, f->errors.worst_db);
     }
 }
 
@@ -215,9 +191,9 @@ static void print_json(const asdic_mission *mission, const asdic_plan *plan,
         json_number(&j, "learn_ms", 1e3 * f->learn_s);
         json_integer(&j, "lessons", f->lessons);
         json_number(&j, "mission_s", mission_seconds(f, mission));
-        json_number(&j, "stderr_rms_db", f->rms_db);
-        json_number(&j, "stderr_median_db", f->median_db);
-        json_number(&j, "stderr_worst_db", f->worst_db);
+        json_number(&j, "stderr_rms_db", f->errors.rms_db);
+        json_number(&j, "stderr_median_db", f->errors.median_db);
+        json_number(&j, "stderr_worst_db", f->errors.worst_db);
         json_close(&j);
     }
     json_close(&j);

@@ -108,38 +108,55 @@ def test_the_forecast_adds_up():
 
 
 def test_the_error_is_that_of_the_first_ping():
-    """Of a vehicle that moves; without noise a bin that nothing comes from counts among all, not among those heard."""
+    """Of a vehicle that moves, and what a run of that ping says; a bin that nothing comes from states none."""
     need_device()
     with Folder() as folder:
         folder.write("track.csv", TRACK)
         for scene in NOISY, NOISY.replace("noise: {enabled: true}", "noise: {enabled: false}"):
-            path = folder.write("scene.yaml", scene.replace("pose: {position_m: [0, 0, 7]}", "track: track.csv"))
+            path = folder.write("scene.yaml", scene.replace("pose: {position_m: [0, 0, 7]}", "track: track.csv") +
+                                "\noutput: {records: full, images: []}\n")
             asdic("run", path, "--pings", "0:1", "-q", "--force", "-o", folder / "run").check(code=0)
             with open(os.path.join(folder / "run", "bins.csv"), newline="", encoding="utf-8") as file:
                 bins = list(csv.DictReader(file))
 
-            def energy(row, *parts):
-                return sum(10 ** (float(row[part + "_db"]) / 10) for part in parts if row[part + "_db"])
+            def is_heard(row):
+                return any(row[part + "_db"] and float(row[part + "_db"]) >= float(row["noise_db"] or "-inf")
+                           for part in ("bottom", "surface", "volume", "object", "multipath"))
 
-            def error(row):
-                return float(row["stderr_db"] or 0)
-
-            echoes = [energy(row, "bottom", "surface", "volume", "object", "multipath") for row in bins]
-            heard = [error(row) for row, echo in zip(bins, echoes) if echo > 0 and echo >= energy(row, "noise")]
-            errors = sorted(map(error, bins))
-            tap.equal(0 < len(heard) < len(errors), True, "some are heard")
-            wanted = {"rms": math.hypot(*heard) / math.sqrt(len(heard)), "median": errors[len(errors) // 2],
-                      "worst": errors[-1]}
+            errors = sorted(float(row["stderr_db"]) for row in bins if row["stderr_db"])
+            heard = [float(row["stderr_db"]) for row in bins if is_heard(row)]
+            tap.equal(0 < len(heard) < len(bins), True, "some are heard")
+            wanted = {"rms": math.hypot(*heard) / math.sqrt(len(heard)), "worst": errors[-1]}
             found = json.loads(asdic("plan", path, "--json").check(code=0).out)["forecast"]
             for name, value in wanted.items():
                 tap.equal(abs(found[f"stderr_{name}_db"] / value - 1) < 1e-6, True, f"{name}: {found}, not {value}")
+            tap.equal(abs(found["stderr_median_db"] / errors[(len(errors) - 1) // 2] - 1) < 0.004, True, f"{found}")
+            said = json.loads(folder.read("run/run.json"))["stderr_db"]
+            tap.equal({name: float(f"{found[f'stderr_{name}_db']:.4g}") for name in said}, said)
         text = asdic("plan", path).check(code=0).out
         tap.contains(text, f"first ping: {wanted['rms']:.2f} dB r.m.s. in bins above the noise; of all, median "
-                           f"{wanted['median']:.3f} dB, worst {wanted['worst']:.2f} dB\n")
+                           f"{said['median']:.3f} dB, worst {wanted['worst']:.2f} dB\n")
         path = folder.write("quiet.yaml", NOISY.replace("source_level_db: 170", "source_level_db: 20"))
         tap.contains(asdic("plan", path).check(code=0).out, "first ping: no bin is above the noise; of all, median ")
         # it sinks from 7 m to 11, and goes 30 m past an object
         tap.contains(text, " ms to learn, 6 times: about ")
+
+
+def test_a_blank_or_coherent_ping_has_the_error_of_its_run():
+    """More than half of the bins are blanked; coherent pings."""
+    need_device()
+    blank = LAYERS.replace(", sound_speed_profile: [[0, 1482], %s]", "").replace(
+        "noise: {enabled: false}", "blanking_m: 6, noise: {enabled: false}")
+    array = blank.replace("receivers: [{name: forward}]", "array: {elements: 8, beams: {count: 3, sector_deg: 30}}")
+    with Folder() as folder:
+        for text in (blank + "sampling: {rays: 500}\n", array + "sampling: {rays: 500, coherent: true}\n"):
+            path = folder.write("scene.yaml", text + "output: {records: full, images: []}\n")
+            asdic("run", path, "-q", "--force", "-o", folder / "run").check(code=0)
+            found = json.loads(asdic("plan", path, "--json").check(code=0).out)["forecast"]
+            said = json.loads(folder.read("run/run.json"))["stderr_db"]
+            for name, value in said.items():
+                error = found[f"stderr_{name}_db"]
+                tap.equal(error if error is None else float(f"{error:.4g}"), value, f"{name} of {text}")
 
 
 OMNI = """version: 1

@@ -200,6 +200,28 @@ static void pings_add_up(void **state) {
     asdic_statistics_finish(&s);
 }
 
+/* As a run of it: bins without energy state none, however small their error. */
+static void a_ping_states_its_errors(void **state) {
+    (void)state;
+    asdic_ping *ping = NULL;
+    asdic_run_errors e;
+    assert_ok(ctx, asdic_ping_create(ctx, 1, 7, &ping));
+    for (size_t i = 4; i < 7; i++) {
+        ping->intensity_lin[ASDIC_TOTAL][i] = ping->intensity_lin[ASDIC_VOLUME][i] = 1.0;
+        ping->stderr_db[i] = (float)(i - 3); /* 1, 2, 3 dB */
+    }
+    ping->intensity_lin[ASDIC_NOISE][6] = 2.0;
+    assert_ok(ctx, asdic_ping_get_errors(ctx, ping, &e));
+    assert_close(e.median_db, 2.0, 0.004 * 2.0);
+    assert_close(e.worst_db, 3.0, 0.0);
+    assert_close(e.rms_db, sqrt((1.0 + 4.0) / 2.0), 1e-12);
+    asdic_ping_destroy(&ping);
+    assert_ok(ctx, asdic_ping_create(ctx, 1, 7, &ping));
+    assert_ok(ctx, asdic_ping_get_errors(ctx, ping, &e));
+    assert_true(isnan(e.median_db) && isnan(e.worst_db) && isnan(e.rms_db));
+    asdic_ping_destroy(&ping);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(nothing_is_heard_in_silence),
@@ -209,6 +231,7 @@ int main(void) {
         cmocka_unit_test(errors_have_a_middle_and_a_worst),
         cmocka_unit_test(errors_count_where_something_is_heard),
         cmocka_unit_test(pings_add_up),
+        cmocka_unit_test(a_ping_states_its_errors),
     };
     return cmocka_run_group_tests(tests, context_begin, context_end);
 }

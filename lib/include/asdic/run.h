@@ -55,6 +55,9 @@ typedef struct asdic_run_errors {
 } asdic_run_errors;
 
 ASDIC_API asdic_run_errors asdic_run_get_errors(const asdic_run *run);
+/* What a run of PING alone would state. */
+ASDIC_API asdic_status asdic_ping_get_errors(asdic_context *ctx, const asdic_ping *ping,
+                                             asdic_run_errors *out);
 
 /* Record INDEX, counted from 0 within the folder. RECORD's arrays are valid until the next read. */
 ASDIC_API asdic_status asdic_run_read(asdic_run *run, size_t index, asdic_record *record);

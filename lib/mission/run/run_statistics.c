@@ -1,7 +1,9 @@
 #include "run_statistics.h"
 
 #include "base/context.h"
+#include "base/try.h"
 #include "out/raster.h"
+#include "out/record.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -199,4 +201,28 @@ void asdic_statistics_end(asdic_statistics *out) {
         out->stderr_median_db = error_of(quantile(c->errors, ERROR_BINS, c->error_count, 0.5));
         out->stderr_worst_db = (double)c->worst_db;
     }
+}
+
+asdic_status asdic_ping_get_errors(asdic_context *ctx, const asdic_ping *ping,
+                                   asdic_run_errors *out) {
+    if (!ping || !out) {
+        return asdic_fail_null(ctx, __func__);
+    }
+    const asdic_record_head head = {0};
+    asdic_statistics statistics;
+    asdic_record record;
+    TRY(asdic_statistics_begin(ctx, &statistics));
+    void *bytes = calloc(1, asdic_record_bytes(ping->beams, ping->bins));
+    if (bytes) {
+        asdic_record_pack(&head, ping, bytes);
+        asdic_record_view(bytes, ping->beams, ping->bins, &record);
+        asdic_statistics_add(&statistics, &record, ping->beams * ping->bins);
+        asdic_statistics_end(&statistics);
+        *out = (asdic_run_errors){.median_db = statistics.stderr_median_db,
+                                  .worst_db = statistics.stderr_worst_db,
+                                  .rms_db = statistics.stderr_rms_db};
+    }
+    asdic_statistics_finish(&statistics);
+    free(bytes);
+    return bytes ? ASDIC_OK : asdic_fail_memory(ctx, "a ping's errors");
 }
