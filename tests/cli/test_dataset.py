@@ -86,6 +86,12 @@ def test_the_same_bytes_whole_resumed_and_in_parts():
             tap.equal(len(files(folder / "grown")["manifest.jsonl"].splitlines()), count, "frames that are told of")
         tap.equal(files(folder / "grown") == whole, True, "a set that has grown is the whole")
         says(asdic("dataset", path, "-n", 4, "-o", folder / "grown", "--resume"), 1, "holds 5 frames; --resume")
+        for name, shard, frames in ("grown", "1/2", "frame 2, which is not of the part to be resumed, frames 0 to 1"), (
+                "p1", "2/2", "frame 0, which is not of the part to be resumed, frames 2 to 4"):
+            before = files(folder / name)
+            says(asdic("dataset", path, "-n", 5, "--shard", shard, "-o", folder / name, "--resume"), 1,
+                 f"{name}' holds {frames}; resume it with its own --shard, or give another folder")
+            tap.equal(files(folder / name) == before, True, "what another part's resume leaves")
         asdic("dataset", path, "-n", 6, "--shard", "1/2", "-o", folder / "p1", "--resume").check(code=0)
         says(asdic("merge", folder / "p1", folder / "p2", "-o", folder / "m2"), 3, "different data sets")
         asdic("dataset", path, "-n", 5, "--shard", "1/2", "-o", folder / "p1", "--force").check(code=0)

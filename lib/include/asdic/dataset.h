@@ -31,8 +31,9 @@ ASDIC_API asdic_dataset_options asdic_dataset_options_default(void);
 /* Makes the frames of SCENE on DEVICE. A frame depends on scene, seed, options and its number
  * alone, byte for byte. Reports progress ("frames") to the context. ASDIC_ERROR_INPUT: the scene,
  * or a drawing of it that makes no sense, with the run's number; ASDIC_ERROR_EXISTS: the folder
- * holds a data set and neither RESUME nor FORCE is set, or RESUME is and it is another one's;
- * ASDIC_ERROR_INTERRUPTED: RESUME goes on where it ended. Frames that were finished stay. */
+ * holds a data set and neither RESUME nor FORCE is set, or RESUME is and it is another one's, or
+ * has frames beyond FIRST to END; ASDIC_ERROR_INTERRUPTED: RESUME goes on where it ended. Frames
+ * that were finished stay. */
 ASDIC_API asdic_status asdic_dataset_make(asdic_context *ctx, const char *scene,
                                           asdic_device *device,
                                           const asdic_dataset_options *options);

@@ -123,6 +123,24 @@ static bool are_alike(const char *a, const char *b) {
            strcmp(in_a + strspn(in_a, digits), in_b + strspn(in_b, digits)) == 0;
 }
 
+/* Frames of another part than OPTIONS' would stay, and be in no file about all: of COUNT there may be. */
+static asdic_status refuse_others(asdic_context *ctx, const asdic_dataset_options *options,
+                                  size_t count) {
+    char path[4096];
+    for (size_t k = 0; k < count; k++) {
+        bool is_other = k < options->first || k >= options->end;
+        asdic_frame_path(path, options->folder, "frames", k, "txt");
+        if (is_other && access(path, F_OK) == 0) {
+            return asdic_fail(
+                ctx, ASDIC_ERROR_EXISTS,
+                "'%s' holds frame %zu, which is not of the part to be resumed, frames "
+                "%zu to %zu; resume it with its own --shard, or give another folder",
+                options->folder, k, options->first, options->end - 1);
+        }
+    }
+    return ASDIC_OK;
+}
+
 asdic_status asdic_dataset_begin(asdic_context *ctx, const asdic_dataset_options *options,
                                  const char *text) {
     char path[4096], *there = NULL;
@@ -146,6 +164,7 @@ asdic_status asdic_dataset_begin(asdic_context *ctx, const asdic_dataset_options
                           "'%s' holds %zu frames; --resume makes none fewer, --force replaces them",
                           options->folder, frames);
     }
+    TRY(refuse_others(ctx, options, frames));
     return frames < options->frames ? asdic_file_write_all(ctx, path, text, strlen(text))
                                     : ASDIC_OK;
 }
