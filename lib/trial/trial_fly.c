@@ -246,8 +246,7 @@ static asdic_status describe(asdic_context *ctx, const asdic_trial_options *o, t
         facts->values[v] = strdup(value);
         status = asdic_trial_load(ctx, o, 0, v, NULL, &mission);
         if (!status) {
-            const asdic_trial_plan *plan = &mission->trial;
-            bool is_blind = plan->is_ideal && !o->rule;
+            bool is_blind = mission->trial.is_ideal;
             *is_ideal = is_blind && (v == 0 || *is_ideal);
             asdic_text_format(&all, "%s %s %s %s\n", asdic_mission_hash(mission),
                               mission->trial_hash, key, value);
@@ -260,6 +259,11 @@ static asdic_status describe(asdic_context *ctx, const asdic_trial_options *o, t
             }
         }
         asdic_mission_destroy(&mission);
+    }
+    if (!status && *is_ideal && o->rays > 0) {
+        asdic_log(ctx, ASDIC_LOG_WARNING,
+                  "the trial's sonar is 'ideal' and casts no rays: --rays and --tolerance change "
+                  "nothing");
     }
     if (!status) { /* meshes, tracks, laws, whichever of them a run draws */
         status = asdic_scene_files_hash(ctx, o->scene, o->variants.values,

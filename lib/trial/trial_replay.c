@@ -63,6 +63,11 @@ asdic_status asdic_trial_load(asdic_context *ctx, const asdic_trial_options *o, 
         settings[count++] = (asdic_setting){o->variants.key, o->variants.values[variant]};
     }
     TRY(asdic_mission_load_trial(ctx, o->scene, settings, count, &draw, donor, out));
+    if (o->rule && (*out)->trial.is_ideal) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                          "'trial: {ideal: ...}' makes no pings that a rule of another program "
+                          "(--rule) could read; take 'ideal' out, or fly by the scene's own rule");
+    }
     choose_rays(*out);
     return ASDIC_OK;
 }
@@ -127,7 +132,7 @@ asdic_status asdic_trial_replay(asdic_context *ctx, asdic_device *device,
     if (!status) {
         status = asdic_trial_load(ctx, options, run, variant, NULL, &mission);
     }
-    if (!status && !device && (options->rule || !mission->trial.is_ideal)) {
+    if (!status && !device && !mission->trial.is_ideal) {
         status = asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "a trial that pings needs a device");
     }
     const asdic_trial_job job = {mission, options->seed, run, 0, options->rule, track};

@@ -248,7 +248,7 @@ static bool ask(run *r, const asdic_loop_ping *ping, const asdic_scan_result *fo
 static asdic_status ping(run *r, asdic_eye *eye, char *why) {
     bool gave_way = r->gives_way;
     double side = -1.0;
-    if (r->plan->is_ideal && !r->job->rule) {
+    if (r->plan->is_ideal) {
         apply_rule(r, ideal_sees(r, r->out->pings), side);
     } else {
         asdic_loop_ping seen;
@@ -391,8 +391,7 @@ asdic_status asdic_trial_run_one(asdic_eye *eye, const asdic_trial_job *job, asd
     asdic_pilot_begin(&r.pilot, &m->flight);
     if (begins_well(&r, why)) {
         double reach_m = job->rule ? INFINITY : m->trial.reach_m;
-        bool is_blind = m->trial.is_ideal && !job->rule;
-        status = is_blind ? ASDIC_OK : asdic_eye_open(eye, m, r.pilot.state.z_m, reach_m);
+        status = m->trial.is_ideal ? ASDIC_OK : asdic_eye_open(eye, m, r.pilot.state.z_m, reach_m);
         status = status ? status : fly_all(&r, eye, why);
         out->time_s = r.time_s;
         asdic_eye_close(eye);

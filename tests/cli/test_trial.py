@@ -391,7 +391,7 @@ def test_means_are_told_of():
     rule = f"exec {sys.executable} -u -c 'for line in __import__(\"sys\").stdin: print(\"{{}}\")'"
     with Folder() as folder:
         for text, options, warns in ((quick, (), 0), (means, (), 1), (means + "  ideal: {pd: 0.5}\n", (), 0),
-                                     (means + "  ideal: {pd: 0.5}\n", ("--rule", rule), 1),
+                                     (means, ("--rule", rule), 1),
                                      (quick, ("--vary", "sonar.speckle=rayleigh,none,none"), 1)):
             path = folder.write("wall.yaml", text)
             done = asdic("trial", path, "--runs", 1, *options, "-o", folder / "out", "-f").check(code=0)
@@ -547,7 +547,18 @@ def test_scenes_and_options_that_cannot_be():
         refuse(ideal, 2, "--force starts afresh and --resume goes on; give one of them", "--force", "--resume")
         done = asdic("trial", "-", "-o", folder / "none", stdin=ideal).check(code=2)
         tap.contains(done.err, "the scene is read for every run; it must be a file")
+        refuse(ideal, 2, "'trial: {ideal: ...}' makes no pings that a rule of another program (--rule) could read; take "
+               "'ideal' out, or fly by the scene's own rule", "--rule", "cat")
         refuse(ideal, 2, "there is no program './mistyped.py --fast'", "--rule", "./mistyped.py --fast")
+
+
+def test_an_ideal_sonar_has_no_rays():
+    words = "the trial's sonar is 'ideal' and casts no rays: --rays and --tolerance change nothing"
+    with Folder() as folder:
+        path = folder.write("ideal.yaml", CLOSE.replace("PD", "1"))
+        for options, times in ((), 0), (("--rays", 100), 1):
+            done = asdic("trial", path, "--runs", 2, *options, "-o", folder / "out", "-f").check(code=0)
+            tap.equal(done.err.count(words), times, done.err)
 
 
 def test_a_run_can_be_seen_again():

@@ -981,7 +981,7 @@ static void a_run_again_needs_all_it_asks_for(void **state) {
     assert_close(flown.distance_m, 9.0, 1e-6);
 }
 
-/* Only a sonar that is ideal needs none, where no rule asks for its pings. */
+/* Only a sonar that is ideal needs none, and no rule can ask for its pings. */
 static void what_pings_needs_a_device(void **state) {
     (void)state;
     char scene[200], whole[200], heard[1000];
@@ -997,12 +997,13 @@ static void what_pings_needs_a_device(void **state) {
             snprintf(heard, sizeof heard, "%.*s}\n", (int)(at - empty), empty);
             write_file("empty.yaml", is_ideal ? empty : heard, "");
             options.rule = has_rule ? &rule : NULL;
+            const char *why = is_ideal ? "makes no pings" : "that pings needs a device";
             if (has_rule || !is_ideal) {
                 assert_status(ctx, asdic_trial_fly(ctx, NULL, 0, &options), ASDIC_ERROR_ARGUMENT);
-                assert_contains(asdic_context_error(ctx), "that pings needs a device");
+                assert_contains(asdic_context_error(ctx), why);
                 assert_status(ctx, asdic_trial_replay(ctx, NULL, &options, 0, 0, whole, &flown),
                               ASDIC_ERROR_ARGUMENT);
-                assert_contains(asdic_context_error(ctx), "that pings needs a device");
+                assert_contains(asdic_context_error(ctx), why);
             }
         }
     }

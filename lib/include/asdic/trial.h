@@ -92,7 +92,7 @@ typedef struct asdic_trial_options {
     uint64_t first, count; /* the part of the runs to fly; count UINT64_MAX: to the end */
     uint32_t rays;         /* a ping, instead of the scene's; 0: the scene's, 4096 of `auto` */
     asdic_trial_variants variants;
-    const asdic_trial_rule *rule; /* NULL: the scene's */
+    const asdic_trial_rule *rule; /* NULL: the scene's; none with an `ideal` sonar */
     bool force, resume;
     asdic_team *team; /* NULL: this process alone */
     void (*progress)(void *user, uint64_t done, uint64_t all, uint64_t pings); /* may be NULL */
