@@ -318,7 +318,7 @@ static asdic_status read_same(asdic_context *ctx, const asdic_trial_options *o,
         return ASDIC_OK;
     }
     asdic_trial_close(out);
-    return asdic_fail(ctx, ASDIC_ERROR_INPUT,
+    return asdic_fail(ctx, ASDIC_ERROR_EXISTS,
                       "%s holds another trial: scene or its files, seed, runs, rays, rule or "
                       "variants differ; --force replaces it",
                       o->folder);

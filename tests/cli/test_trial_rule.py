@@ -62,7 +62,7 @@ def test_another_rule_is_another_trial():
         tap.equal(json.loads(folder.read("out/trial.json"))["command"], f"{rule} a")
         command("--rule", f"{rule} a", "-o", folder / "out", "--resume").check(code=0)
         for options in ("--rule", f"{rule} b"), ():
-            tap.contains(command(*options, "-o", folder / "out", "--resume").check(code=3).err, "holds another trial")
+            tap.contains(command(*options, "-o", folder / "out", "--resume").check(code=1).err, "holds another trial")
         for k in "12":
             command("--rule", f"{rule} {k}", "--shard", f"{k}/2", "-o", folder / k).check(code=0)
         tap.contains(asdic("merge", folder / "1", folder / "2", "-o", folder / "all").check(code=3).err,

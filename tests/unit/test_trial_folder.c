@@ -723,7 +723,7 @@ static void a_trial_is_kept_or_gone_on_with(void **state) {
     assert_ok(ctx, asdic_trial_fly(ctx, NULL, 0, &options));
     assert_string_equal(kept_rows(), first);
     options.seed++;
-    assert_status(ctx, asdic_trial_fly(ctx, NULL, 0, &options), ASDIC_ERROR_INPUT);
+    assert_status(ctx, asdic_trial_fly(ctx, NULL, 0, &options), ASDIC_ERROR_EXISTS);
     assert_contains(asdic_context_error(ctx), "/kept holds another trial");
     assert_string_equal(kept_rows(), first);
     options.seed--;
