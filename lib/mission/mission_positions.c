@@ -5,6 +5,7 @@
 
 #include "base/context.h"
 #include "base/vec.h"
+#include "out/digits.h"
 #include "scene/scene.h"
 
 #include <math.h>
@@ -23,6 +24,12 @@
 /* A track of fewer points is written by hand, at any times: it has no gaps. */
 #define RECORDED_POINTS 20
 
+/* TIME_S in TEXT, for a message. */
+static const char *time_text(char text[ASDIC_DIGITS_SIZE], double time_s) {
+    asdic_digits_time(text, time_s);
+    return text;
+}
+
 /* A depth above which no bottom lies. */
 #define ABOVE_ALL_M (-1e6)
 
@@ -40,14 +47,15 @@ static void check_depths(mission_builder *b) {
     size_t last = m->track ? m->ping_count : 1;
     for (size_t i = 0; i < last; i += step) {
         double time_s;
+        char time[ASDIC_DIGITS_SIZE];
         asdic_pose pose = asdic_mission_pose(m, i, &time_s);
         double depth_m = asdic_mission_bottom_m(m->scene, pose.position_m);
         /* A mesh in float is not exact to the last digit. */
         if (pose.position_m.z > depth_m + 1e-6 * fabs(depth_m)) {
             asdic_yaml_problem(b->problems, node,
-                               "ping %zu at %.10g s: the sonar is at z = %.6g m, below the bottom "
+                               "ping %zu at %s s: the sonar is at z = %.6g m, below the bottom "
                                "at %.6g m; raise it or lower the bottom",
-                               i, time_s, pose.position_m.z, depth_m);
+                               i, time_text(time, time_s), pose.position_m.z, depth_m);
             return;
         }
     }
@@ -308,10 +316,11 @@ static void remark_on_gap(mission_builder *b) {
     double rest_s = asdic_track_end_s(m->track) - asdic_track_start_s(m->track) - gap_s;
     if (gap_s > GAP_RATIO * rest_s / (double)(points - 2) &&
         gap_s > 2.0 / m->settings.sonar.ping_rate_hz) {
+        char from[ASDIC_DIGITS_SIZE];
         asdic_log(b->ctx, ASDIC_LOG_WARNING,
-                  "%s:%u:%u: warning: the track has no point for %.3g s after %.10g s; the vehicle "
+                  "%s:%u:%u: warning: the track has no point for %.3g s after %s s; the vehicle "
                   "goes straight on meanwhile  [mission.track]",
-                  b->problems->name, node->line, node->column, gap_s, from_s);
+                  b->problems->name, node->line, node->column, gap_s, time_text(from, from_s));
     }
 }
 
@@ -323,7 +332,7 @@ static void remark_on_motions(mission_builder *b) {
     asdic_mission_pose(m, 0, &first_s);
     asdic_mission_pose(m, m->ping_count - 1, &last_s);
     for (size_t i = 0; i < b->file->objects.count; i++) {
-        char text[160];
+        char text[200], times[4][ASDIC_DIGITS_SIZE];
         if (!objects[i].track) {
             continue;
         }
@@ -331,9 +340,9 @@ static void remark_on_motions(mission_builder *b) {
         double begin_s = asdic_track_start_s(track), end_s = asdic_track_end_s(track);
         if (end_s < first_s || begin_s > last_s) {
             snprintf(text, sizeof text,
-                     "never moves: its track covers %.10g to %.10g s, the pings are from %.10g to "
-                     "%.10g s",
-                     begin_s, end_s, first_s, last_s);
+                     "never moves: its track covers %s to %s s, the pings are from %s to %s s",
+                     time_text(times[0], begin_s), time_text(times[1], end_s),
+                     time_text(times[2], first_s), time_text(times[3], last_s));
             remark(b, i, text);
         }
     }

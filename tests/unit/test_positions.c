@@ -384,6 +384,12 @@ static void tracks_at_other_times_are_remarked(void **state) {
         "scene.yaml:11:5: warning: object 'after' never moves: its track covers 101.5 to 110 s, "
         "the "
         "pings are from 100 to 101 s  [objects[5]]\n");
+    write_track(w, "way.csv",
+                "1700000000.25,0,0,7,0,0,0\n1700000000.75,1,0,7,0,0,0\n"); /* of a clock */
+    assert_string_equal(
+        said_of(w, "bottom: none\nobjects:\n" ON("before") "mission: {track: way.csv}\n"),
+        "scene.yaml:6:5: warning: object 'before' never moves: its track covers 90 to 99.5 s, the "
+        "pings are from 1700000000.25 to 1700000000.75 s  [objects[0]]\n");
 #undef ON
 }
 
