@@ -33,6 +33,32 @@ static asdic_status load(asdic_nc *nc) {
     return ASDIC_OK;
 }
 
+/* Makes the file NC->part. netCDF 4.9 takes a backslash for a slash; such a folder is named by number. */
+static int create(asdic_nc *nc) {
+    const char *slash = strrchr(nc->part, '/'), *backslash = strchr(nc->part, '\\');
+    char *folder = NULL, *part = NULL;
+    int code = NC_NOERR;
+    if (unlink(nc->part) != 0 && errno != ENOENT) {
+        return errno;
+    }
+    if (!slash || !backslash || backslash > slash) {
+        return nc->call.create(nc->part, NC_NETCDF4 | NC_NOCLOBBER, &nc->id);
+    }
+    folder = strndup(nc->part, (size_t)(slash - nc->part) + 1);
+    nc->folder = folder ? open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC) : -1;
+    if (nc->folder < 0) {
+        code = folder ? errno : NC_ENOMEM;
+        nc->folder = 0;
+    } else if (asprintf(&part, "/proc/self/fd/%d%s", nc->folder, slash) < 0) {
+        part = NULL;
+        code = NC_ENOMEM;
+    }
+    code = code ? code : nc->call.create(part, NC_NETCDF4 | NC_NOCLOBBER, &nc->id);
+    free(folder);
+    free(part);
+    return code;
+}
+
 asdic_status asdic_nc_create(asdic_context *ctx, const char *path, asdic_nc *out) {
     *out = (asdic_nc){.ctx = ctx, .path = strdup(path)};
     asdic_status loaded = out->path ? load(out) : ASDIC_OK;
@@ -45,9 +71,7 @@ asdic_status asdic_nc_create(asdic_context *ctx, const char *path, asdic_nc *out
         asdic_nc_discard(out);
         return asdic_fail_memory(ctx, "a file name");
     }
-    int code = unlink(out->part) != 0 && errno != ENOENT
-                   ? errno
-                   : out->call.create(out->part, NC_NETCDF4 | NC_NOCLOBBER, &out->id);
+    int code = create(out);
     out->is_open = code == NC_NOERR;
     if (!asdic_nc_check(out, code)) {
         asdic_status status = asdic_nc_status(out);
@@ -135,6 +159,9 @@ void asdic_nc_discard(asdic_nc *nc) {
     }
     if (nc->part) {
         unlink(nc->part);
+    }
+    if (nc->folder > 0) {
+        close(nc->folder);
     }
     free(nc->part);
     free(nc->path);

@@ -41,6 +41,7 @@ typedef struct asdic_nc {
     asdic_context *ctx;
     asdic_nc_functions call;
     char *path, *part;
+    int folder; /* stays open where netCDF would misread its name; 0: none */
     int id;
     bool is_open;
     int failure; /* NC_NOERR, or the first that failed */

@@ -601,6 +601,33 @@ static void what_cannot_begin_says_why(void **state) {
     assert_int_equal(unlink(name), 0);
 }
 
+/* A backslash is no slash, in a folder's name. */
+static void folders_are_called_what_they_are(void **state) {
+    (void)state;
+    char other[80], path[100], part[100];
+    snprintf(other, sizeof other, "%s/a\\b", folder);
+    snprintf(path, sizeof path, "%s/run.nc", other);
+    snprintf(part, sizeof part, "%s.part", path);
+    assert_int_equal(mkdir(other, 0700), 0);
+    for (int is_kept = 0; is_kept < 2; is_kept++) {
+        asdic_nc nc;
+        assert_ok(ctx, asdic_nc_create(ctx, path, &nc));
+        assert_int_equal(access(part, F_OK), 0);
+        if (is_kept) {
+            assert_ok(ctx, asdic_nc_commit(&nc));
+        } else {
+            asdic_nc_discard(&nc);
+        }
+        assert_int_not_equal(access(part, F_OK), 0);
+        assert_int_equal(access(path, F_OK) == 0, is_kept);
+    }
+    assert_int_equal(unlink(path), 0);
+    assert_int_equal(rmdir(other), 0);
+    asdic_nc nc;
+    assert_int_equal(asdic_nc_create(ctx, path, &nc), ASDIC_ERROR_IO);
+    assert_contains(asdic_context_error(ctx), strerror(ENOENT));
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(levels_lie_by_ping_beam_and_range),
@@ -614,6 +641,7 @@ int main(void) {
         cmocka_unit_test(the_first_failure_is_kept),
         cmocka_unit_test(what_fails_at_its_end_leaves_nothing),
         cmocka_unit_test(what_cannot_begin_says_why),
+        cmocka_unit_test(folders_are_called_what_they_are),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }
