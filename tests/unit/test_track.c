@@ -288,6 +288,37 @@ static void the_deepest_place_may_lie_between_points(void **state) {
     asdic_track_destroy(&track);
 }
 
+/* Angles stay in the range of the track's: what is written of a turn through north has no jump but that one. */
+static void angles_stay_in_the_tracks_range(void **state) {
+    (void)state;
+    static const struct {
+        double from, early, late, to;
+    } cases[] = {{350, 355, 5, 10},
+                 {10, 5, 355, 350},
+                 {170, 175, -175, -170},
+                 {-170, -175, 175, 170},
+                 {180, -177.5, -172.5, -170},
+                 {360, 2.5, 7.5, 10},
+                 {20, 25, 35, 40},
+                 {-20, -5, 25, 40},
+                 {350, 355, 365, 370},
+                 {-190, -182.5, -167.5, -160}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char csv[256];
+        snprintf(csv, sizeof csv, HEADER "0,0,0,5,%g,0,%g\n4,0,0,5,%g,0,%g\n", cases[i].from,
+                 cases[i].from, cases[i].to, cases[i].to);
+        asdic_track *track = load(csv, "");
+        const double time_s[] = {0.0, 1.0, 3.0, 4.0};
+        const double wanted_deg[] = {cases[i].from, cases[i].early, cases[i].late, cases[i].to};
+        for (int k = 0; k < 4; k++) {
+            asdic_pose pose = asdic_track_pose(track, time_s[k]);
+            assert_close(pose.yaw_rad, wanted_deg[k] * DEG, 1e-12);
+            assert_close(pose.roll_rad, wanted_deg[k] * DEG, 1e-12);
+        }
+        asdic_track_destroy(&track);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(points_are_joined_by_straight_lines),
@@ -301,6 +332,7 @@ int main(void) {
         cmocka_unit_test(long_tracks_are_read),
         cmocka_unit_test(tracks_have_several_holders),
         cmocka_unit_test(the_deepest_place_may_lie_between_points),
+        cmocka_unit_test(angles_stay_in_the_tracks_range),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -72,9 +72,20 @@ static size_t find_leg(const asdic_track *track, double time_s) {
     return low;
 }
 
-/* From A to B by the shorter way round; to the last bit at the ends. */
+/* From A to B by the shorter way round; to the last bit at the ends. From 350 to 10 degrees it is 5
+ * near the end, not 365; from 170 to -170 it is -175. Tracks that count turns on are left so. */
 static double turn(double a_rad, double b_rad, double share) {
-    return share < 1.0 ? a_rad + share * remainder(b_rad - a_rad, 2.0 * ASDIC_PI) : b_rad;
+    double low_rad = fmin(a_rad, b_rad) < 0.0 ? -ASDIC_PI : 0.0;
+    double high_rad = low_rad + 2.0 * ASDIC_PI;
+    double turned_rad = a_rad + share * remainder(b_rad - a_rad, 2.0 * ASDIC_PI);
+    bool counts_on = fmin(a_rad, b_rad) < low_rad || fmax(a_rad, b_rad) > high_rad;
+    if (!(share < 1.0)) {
+        return b_rad;
+    }
+    return counts_on               ? turned_rad
+           : turned_rad > high_rad ? turned_rad - 2.0 * ASDIC_PI
+           : turned_rad < low_rad  ? turned_rad + 2.0 * ASDIC_PI
+                                   : turned_rad;
 }
 
 static double between(double a, double b, double share) {
