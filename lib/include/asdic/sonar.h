@@ -48,10 +48,11 @@ typedef struct asdic_array {
  * (1946); Taylor: T. T. Taylor, IRE Trans. AP-3, 16 (1955). */
 ASDIC_API void asdic_array_weights(const asdic_array *array, double *weights);
 
-/* Gives the COUNT beams, which are aimed in the array's plane already, the sides and the sensitivity
- * with which pings of intensities agree with what the array forms there: an even aperture that takes
- * in as much from all around as the weights do, as long as it looks from the beam's direction (H. L.
- * Van Trees, Optimum Array Processing (2002), chapter 2), with an element's sensitivity there. */
+/* Gives the COUNT beams, which are aimed in the array's plane already, the sides and the
+ * sensitivity with which pings of intensities agree with what the array forms there: an even
+ * aperture that takes in as much from all around as the weights do, as long as it looks from the
+ * beam's direction (H. L. Van Trees, Optimum Array Processing (2002), chapter 2), with an element's
+ * sensitivity there. */
 ASDIC_API void asdic_array_form(const asdic_array *array, double wavelength_m, asdic_beam *beams,
                                 size_t count);
 
