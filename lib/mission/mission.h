@@ -87,6 +87,12 @@ size_t asdic_mission_class(const asdic_mission *mission, const char *name);
 /* asdic_mission_uncertainty of OBJECT, an index, alone. */
 double asdic_mission_object_uncertainty_db(const asdic_mission *mission, size_t object);
 
+#define ASDIC_BELOW_BOTTOM_SIZE 200
+
+/* Whether the sonar is below the bottom at PING; then TEXT says so, and what to do. */
+bool asdic_mission_is_below_bottom(const asdic_mission *mission, size_t ping,
+                                   char text[ASDIC_BELOW_BOTTOM_SIZE]);
+
 /* Whether a ping has the object NAME in its range. */
 bool asdic_mission_reaches(const asdic_mission *mission, const char *name);
 

@@ -12,11 +12,15 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Poses tested against a bottom that is no plane. Of longer missions every so many are tested. */
-#define MAX_TESTED_PINGS 10000
+/* Poses tested against the bottom: some tenths of a second's work. Of longer missions every so many are
+ * tested here, and each as it is run. */
+#define MAX_TESTED_PINGS 1000000
 
 /* Poses tested against objects, and triangles against poses: a second's work at most. */
 #define MAX_TESTS 10000000
+
+/* Places of a moving object tested against the bottom. */
+#define MAX_TESTED_PLACES 10000
 
 /* Two points of a track have a gap between them when they are this many times farther apart than
  * the others on average. */
@@ -38,24 +42,35 @@ double asdic_mission_bottom_m(const asdic_scene *scene, asdic_vec3 position_m) {
     return ABOVE_ALL_M + asdic_scene_altitude_m(scene, position_m);
 }
 
+bool asdic_mission_is_below_bottom(const asdic_mission *m, size_t ping,
+                                   char text[ASDIC_BELOW_BOTTOM_SIZE]) {
+    double time_s;
+    char time[ASDIC_DIGITS_SIZE];
+    asdic_pose pose = asdic_mission_pose(m, ping, &time_s);
+    double depth_m = asdic_mission_bottom_m(m->scene, pose.position_m);
+    /* A mesh in float is not exact to the last digit. */
+    if (!(pose.position_m.z > depth_m + 1e-6 * fabs(depth_m))) {
+        return false;
+    }
+    snprintf(
+        text, ASDIC_BELOW_BOTTOM_SIZE,
+        "ping %zu at %s s: the sonar is at z = %.6g m, below the bottom at %.6g m; raise it or "
+        "lower the bottom",
+        ping, time_text(time, time_s), pose.position_m.z, depth_m);
+    return true;
+}
+
 static void check_depths(mission_builder *b) {
+    char text[ASDIC_BELOW_BOTTOM_SIZE];
     const asdic_mission *m = b->mission;
     const asdic_yaml_node *mission = b->file->mission.node;
     const char *kind = !m->track ? "pose" : b->file->mission.track ? "track" : "waypoints";
     asdic_yaml_node *node = asdic_yaml_child(mission, kind);
-    size_t step = m->ping_count / MAX_TESTED_PINGS + 1;
+    size_t step = (m->ping_count - 1) / MAX_TESTED_PINGS + 1;
     size_t last = m->track ? m->ping_count : 1;
     for (size_t i = 0; i < last; i += step) {
-        double time_s;
-        char time[ASDIC_DIGITS_SIZE];
-        asdic_pose pose = asdic_mission_pose(m, i, &time_s);
-        double depth_m = asdic_mission_bottom_m(m->scene, pose.position_m);
-        /* A mesh in float is not exact to the last digit. */
-        if (pose.position_m.z > depth_m + 1e-6 * fabs(depth_m)) {
-            asdic_yaml_problem(b->problems, node,
-                               "ping %zu at %s s: the sonar is at z = %.6g m, below the bottom "
-                               "at %.6g m; raise it or lower the bottom",
-                               i, time_text(time, time_s), pose.position_m.z, depth_m);
+        if (asdic_mission_is_below_bottom(m, i, text)) {
+            asdic_yaml_problem(b->problems, node, "%s", text);
             return;
         }
     }
@@ -189,7 +204,7 @@ static bool is_buried(const asdic_mission *m, const asdic_mission_object *object
 
 /* At every ping that is tested. */
 static bool is_always_buried(const asdic_mission *m, const asdic_mission_object *object) {
-    size_t step = m->ping_count / MAX_TESTED_PINGS + 1, count = object->moves ? m->ping_count : 1;
+    size_t step = m->ping_count / MAX_TESTED_PLACES + 1, count = object->moves ? m->ping_count : 1;
     for (size_t i = 0; i < count; i += step) {
         asdic_mission_object there = placed(m, object, i);
         if (!is_buried(m, &there)) {

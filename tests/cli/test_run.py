@@ -620,6 +620,22 @@ def test_mistakes_have_their_exit_codes():
         tap.equal(folder.names(), ["bad.yaml", "pool.yaml"], "files afterwards")
 
 
+def test_no_ping_below_the_bottom_is_simulated():
+    """Of 1,200,001 pings every second one is tested before; the others as they come."""
+    program.need_device()
+    with Folder() as folder:
+        rows = [(0, 5), (90000, 5), (90000.1, 15), (90000.2, 5), (120000, 5)]
+        folder.write("dip.csv", "time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n"
+                     + "".join(f"{time},0,0,{z},0,0,0\n" for time, z in rows))
+        name = folder.write("dip.yaml", "version: 1\nbottom: {depth_m: 12}\n"
+                            "mission: {track: dip.csv}\nsampling: {rays: 100}\n"
+                            "sonar: {frequency_khz: 100, ping_rate_hz: 10, source_level_db: 200, "
+                            "receivers: [{name: a}]}\n")
+        err = asdic("run", name, "-o", folder / "r", "--pings", "900000:900003").check(code=3).err
+        tap.contains(err, "error: ping 900001 at 90000.1 s: the sonar is at z = 15 m, below the "
+                     "bottom at 12 m; raise it or lower the bottom; 1 of 3 pings are kept in ")
+
+
 def test_progress_on_a_terminal_only():
     program.need_device()
     with Folder() as folder:

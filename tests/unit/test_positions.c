@@ -189,6 +189,26 @@ static void all_pings_are_looked_at(void **state) {
     assert_string_equal(said_of(w, text), "");
 }
 
+/* One ping of a long mission, which goes round over the pit, is 1 mm deeper than the others. */
+static void no_ping_of_a_long_mission_is_left_out(void **state) {
+    workshop *w = *state;
+    static const char *const depths[] = {"9.9", "10.001"};
+    for (int i = 0; i < 2; i++) {
+        char rows[300];
+        snprintf(rows, sizeof rows,
+                 "0,20,20,9,0,0,0\n1000.05,20,20,9,0,0,0\n1000.1,20,20,%s,0,0,0\n"
+                 "1000.15,20,20,9,0,0,0\n3000,20,20,9,0,0,0\n",
+                 depths[i]);
+        write_track(w, "dip.csv", rows);
+        assert_string_equal(
+            said_of(w, "bottom: {mesh: pit}\nmission: {track: dip.csv}\n"),
+            i ? "scene.yaml:5:18: error: ping 10001 at 1000.1 s: the sonar is at z = 10.001 m, "
+                "below "
+                "the bottom at 10 m; raise it or lower the bottom  [mission.track]\n"
+              : "");
+    }
+}
+
 /* Balls and the sonar far from the origin: within 2 m of the middle it is inside, in all directions. */
 static void sonars_in_objects_are_remarked(void **state) {
     workshop *w = *state;
@@ -452,6 +472,7 @@ int main(void) {
         cmocka_unit_test(upright_bottoms_are_remarked),
         cmocka_unit_test(distant_objects_are_remarked),
         cmocka_unit_test(all_pings_are_looked_at),
+        cmocka_unit_test(no_ping_of_a_long_mission_is_left_out),
         cmocka_unit_test(sonars_in_objects_are_remarked),
         cmocka_unit_test(buried_objects_are_remarked),
         cmocka_unit_test(moving_objects_are_looked_at_where_they_are),

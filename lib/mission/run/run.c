@@ -50,11 +50,15 @@ typedef struct taker {
     asdic_work_result result;
 } taker;
 
-/* Takes the next ping. */
+/* Takes the next ping. Of a long mission not all were tested when it was loaded. */
 static asdic_status take(void *user, size_t ping, const asdic_ping *result) {
     taker *t = user;
     asdic_run_job *job = t->job;
     double begin_s = asdic_clock_s();
+    char below[ASDIC_BELOW_BOTTOM_SIZE];
+    if (asdic_mission_is_below_bottom(job->mission, ping, below)) {
+        return asdic_fail(job->ctx, ASDIC_ERROR_INPUT, "%s", below);
+    }
     asdic_record_head head = head_of(job->mission, ping, result);
     asdic_record_pack(&head, result, job->bytes);
     job->facts.times.write_s += asdic_clock_s() - begin_s;
