@@ -60,19 +60,53 @@ bool asdic_mission_is_below_bottom(const asdic_mission *m, size_t ping,
     return true;
 }
 
+/* Pings from one that is tested against the bottom to the next. */
+static size_t bottom_step(const asdic_mission *m) {
+    return (m->ping_count - 1) / MAX_TESTED_PINGS + 1;
+}
+
 static void check_depths(mission_builder *b) {
     char text[ASDIC_BELOW_BOTTOM_SIZE];
     const asdic_mission *m = b->mission;
     const asdic_yaml_node *mission = b->file->mission.node;
     const char *kind = !m->track ? "pose" : b->file->mission.track ? "track" : "waypoints";
     asdic_yaml_node *node = asdic_yaml_child(mission, kind);
-    size_t step = (m->ping_count - 1) / MAX_TESTED_PINGS + 1;
+    size_t step = bottom_step(m);
     size_t last = m->track ? m->ping_count : 1;
     for (size_t i = 0; i < last; i += step) {
         if (asdic_mission_is_below_bottom(m, i, text)) {
             asdic_yaml_problem(b->problems, node, "%s", text);
             return;
         }
+    }
+}
+
+/* Where the water is not as deep as an altitude to be held, the vehicle is at the surface. */
+static void check_altitude(mission_builder *b) {
+    const asdic_mission *m = b->mission;
+    asdic_yaml_node *node = asdic_yaml_child(b->file->mission.waypoints.node, "altitude_m");
+    double altitude_m = m->flight.altitude_m, deepest_m = 0.0;
+    size_t step = bottom_step(m), first = SIZE_MAX, tested = 0, shallow = 0;
+    for (size_t i = 0; node && i < m->ping_count; i += step, tested++) {
+        double depth_m =
+            asdic_mission_bottom_m(m->scene, asdic_mission_pose(m, i, NULL).position_m);
+        if (depth_m < altitude_m) {
+            first = shallow++ ? first : i;
+        }
+        deepest_m = fmax(deepest_m, depth_m);
+    }
+    if (shallow > 0 && shallow == tested) {
+        asdic_yaml_problem(b->problems, node,
+                           "'altitude_m' = %.15g is more than the water is deep, at most %.6g m on "
+                           "the way; lower it",
+                           altitude_m, deepest_m);
+    } else if (shallow > 0 && !b->many) {
+        asdic_log(
+            b->ctx, ASDIC_LOG_WARNING,
+            "%s:%u:%u: warning: 'altitude_m' = %.15g is more than the water is deep at %zu of "
+            "%zu pings, from ping %zu on; the vehicle is at the surface there  "
+            "[mission.waypoints.altitude_m]",
+            b->problems->name, node->line, node->column, altitude_m, shallow, tested, first);
     }
 }
 
@@ -367,6 +401,9 @@ void asdic_mission_check_positions(mission_builder *b) {
     check_bottom_depth(b);
     if (b->problems->total == 0) {
         check_depths(b);
+    }
+    if (b->problems->total == 0) {
+        check_altitude(b);
     }
     if (b->problems->total == 0 && !b->many) {
         remark_on_bottom(b);

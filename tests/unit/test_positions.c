@@ -209,6 +209,38 @@ static void no_ping_of_a_long_mission_is_left_out(void **state) {
     }
 }
 
+/* The slope is 10 m deep at the first of 46 pings, then 2 m deeper every ten. */
+static void altitudes_above_the_surface_are_not_held(void **state) {
+    workshop *w = *state;
+    static const struct {
+        const char *bottom, *altitude_m, *said;
+    } cases[] = {
+        {"{mesh: slope}", "10", ""},
+        {"{mesh: slope}", "15",
+         "scene.yaml:5:85: warning: 'altitude_m' = 15 is more than the water is deep at 25 of 46 "
+         "pings, from ping 0 on; the vehicle is at the surface there  "
+         "[mission.waypoints.altitude_m]\n"},
+        {"{mesh: slope}", "21",
+         "scene.yaml:5:85: error: 'altitude_m' = 21 is more than the water is deep, at most 19 m "
+         "on "
+         "the way; lower it  [mission.waypoints.altitude_m]\n"},
+        {"{depth_m: 12}", "12", ""},
+        {"{depth_m: 12}", "20", "at most 12 m on the way; lower it  [mission"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[300];
+        snprintf(text, sizeof text,
+                 "bottom: %s\nmission: {waypoints: {points_m: [[0, 1, 5], [90, 1, 5]], "
+                 "speed_mps: 20, altitude_m: %s}}\n",
+                 cases[i].bottom, cases[i].altitude_m);
+        if (cases[i].said[0]) {
+            assert_contains(said_of(w, text), cases[i].said);
+        } else {
+            assert_string_equal(said_of(w, text), "");
+        }
+    }
+}
+
 /* Balls and the sonar far from the origin: within 2 m of the middle it is inside, in all directions. */
 static void sonars_in_objects_are_remarked(void **state) {
     workshop *w = *state;
@@ -473,6 +505,7 @@ int main(void) {
         cmocka_unit_test(distant_objects_are_remarked),
         cmocka_unit_test(all_pings_are_looked_at),
         cmocka_unit_test(no_ping_of_a_long_mission_is_left_out),
+        cmocka_unit_test(altitudes_above_the_surface_are_not_held),
         cmocka_unit_test(sonars_in_objects_are_remarked),
         cmocka_unit_test(buried_objects_are_remarked),
         cmocka_unit_test(moving_objects_are_looked_at_where_they_are),

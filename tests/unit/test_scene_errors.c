@@ -514,6 +514,13 @@ static void waypoints_can_be_flown(void **state) {
                 "  waypoints: {points_m: [[0, 0, 7], [99, 0, 7]], vehicle: remus100, "
                 "current_mps: [0.5, -0.5], altitude_m: 2}",
                 "");
+    expect_errors(
+        "version: 1\nbottom: none\n"
+        "mission: {waypoints: {points_m: [[0, 0, 7], [99, 0, 7]], altitude_m: 2}}\n"
+        "sonar: {frequency_khz: 100, ping_rate_hz: 10, receivers: [{name: a}]}\n",
+        "3:70: error: 'altitude_m' has no effect with 'bottom: none', below which there is "
+        "nothing to keep above; leave it out or give a bottom  "
+        "[mission.waypoints.altitude_m]\n");
     expect_edit(
         pose,
         "  waypoints: {points_m: [[0, 0, 7], [99, 0, 7]], vehicle: remus100, speed_mps: 3, "

@@ -448,6 +448,11 @@ static void check_waypoints(const asdic_scene_file *file, asdic_problems *proble
         return;
     }
     check_vehicle(w, problems);
+    if (!isnan(w->altitude_m) && file->bottom.none) {
+        asdic_yaml_problem(problems, at(w->node, "altitude_m"),
+                           "'altitude_m' has no effect with 'bottom: none', below which there is "
+                           "nothing to keep above; leave it out or give a bottom");
+    }
     asdic_yaml_node *node = asdic_yaml_child(w->node, "points_m")->first;
     const double *last_m = NULL, *m = w->points.items;
     for (; node; node = node->next, last_m = m, m += 3) {
