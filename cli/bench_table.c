@@ -2,7 +2,6 @@
 #include "bench.h"
 #include "json.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdlib.h>
@@ -160,26 +159,13 @@ static void put_rows(const bench_table *t, FILE *file) {
     fputs("\n", file);
 }
 
-/* The file has its own name only when it is complete. */
 int bench_table_csv(const bench *b, const char *path) {
-    char *part = NULL;
-    if (strcmp(path, "-") == 0) {
-        put_rows(b->table, stdout);
-        return CLI_OK;
+    cli_file file;
+    if (!cli_file_open(b->c, path, &file)) {
+        return CLI_FAILED;
     }
-    FILE *file = asprintf(&part, "%s.part", path) < 0 ? NULL : fopen(part, "w");
-    bool good = file != NULL;
-    if (file) {
-        put_rows(b->table, file);
-        good = !ferror(file);
-        good = fclose(file) == 0 && good && rename(part, path) == 0;
-    }
-    if (!good) {
-        cli_error(b->c, "cannot write '%s': %s", path, strerror(errno));
-        remove(part ? part : "");
-    }
-    free(part);
-    return good ? CLI_OK : CLI_FAILED;
+    put_rows(b->table, file.stream);
+    return cli_file_close(b->c, &file, true) ? CLI_OK : CLI_FAILED;
 }
 
 bool bench_table_is_complete(const bench_table *t) {

@@ -113,6 +113,20 @@ bool cli_bad_usage(const cli *c);
  * and devices. False after a report. */
 bool cli_may_write(cli *c, const char *path);
 
+/* An output file, written as PATH.part and renamed when it is whole. "-" is standard output, of
+ * which main tells; pipes and devices are written as they are. */
+typedef struct cli_file {
+    FILE *stream;
+    const char *path;
+    char *part; /* NULL: there is none */
+} cli_file;
+
+/* False after a report. */
+bool cli_file_open(const cli *c, const char *path, cli_file *out);
+
+/* Gives a file its name that IS_WHOLE; another is removed. False after a report. */
+bool cli_file_close(const cli *c, cli_file *file, bool is_whole);
+
 /* Bytes of PATH before the ending of its file name, ".png". */
 size_t cli_stem(const char *path);
 

@@ -60,26 +60,19 @@ static asdic_status stream(view_job *job, FILE *out, bool *is_broken) {
 }
 
 int view_stream(view_job *job, const char *path) {
-    bool is_stdout = strcmp(path, "-") == 0, is_broken = false;
-    FILE *out = stdout;
+    bool is_broken = false;
+    cli_file out;
     signal(SIGPIPE, SIG_IGN); /* a player that was closed must not cost the recording */
-    if (!cli_may_write(job->c, path)) {
+    if (!cli_may_write(job->c, path) || !cli_file_open(job->c, path, &out)) {
         return CLI_FAILED;
     }
-    if (!is_stdout) {
-        out = fopen(path, "wb");
-        if (!out) {
-            cli_error(job->c, "cannot write '%s': %s", path, strerror(errno));
-            return CLI_FAILED;
-        }
-    }
-    asdic_status status = stream(job, out, &is_broken);
+    asdic_status status = stream(job, out.stream, &is_broken);
     int code = cli_end(job->c, status);
-    if (!is_stdout && (fclose(out) != 0 || is_broken)) {
+    if (is_broken && out.stream != stdout) {
         cli_error(job->c, "cannot write '%s': %s", path, strerror(errno));
         code = CLI_FAILED;
     }
-    return code; /* of a broken stdout, main tells */
+    return cli_file_close(job->c, &out, !status && !is_broken) ? code : CLI_FAILED;
 }
 
 #define PATH_SIZE 4096

@@ -6,6 +6,7 @@ import io
 import json
 import os
 import shutil
+import signal
 import struct
 import subprocess
 import time
@@ -213,6 +214,43 @@ def test_video_is_read_by_ffmpeg():
         head, rest = data.split(b"\n", 1)
         tap.equal(head, b"YUV4MPEG2 W1280 H720 F20:1 Ip A1:1 C444 XCOLORRANGE=LIMITED")
         tap.equal(len(rest), 6 + 3 * 1280 * 720)
+
+
+def test_a_video_appears_whole():
+    need_view()
+    with Folder() as folder:
+        scene = write_scene(folder)
+        film = folder.write("film.y4m", "a film")
+        options = ["view", scene, "--y4m", film, "--force", "--size", "640x360", "-q"]
+        for sign, code in (signal.SIGINT, 130), (signal.SIGKILL, -signal.SIGKILL):
+            shown = subprocess.Popen([program.PATH, *options, "--pings", "1000000", "--keys", "0:left"])
+            try:
+                late_s = time.monotonic() + 60
+                while not os.path.exists(film + ".part") or os.path.getsize(film + ".part") < 700000:
+                    tap.equal((shown.poll(), time.monotonic() < late_s), (None, True), "under way")
+                    time.sleep(0.01)
+                if sign == signal.SIGINT:
+                    tap.contains(asdic(*options, "--pings", "1").check(code=1).err,
+                                 "film.y4m': another process is writing it just now")
+                shown.send_signal(sign)
+                tap.equal(shown.wait(), code)
+            finally:
+                shown.kill()
+                shown.wait()
+            tap.equal(folder.read("film.y4m"), "a film")
+            tap.equal(os.path.exists(film + ".part"), sign == signal.SIGKILL, "removed by SIGINT")
+        folder.write("film.y4m.part", "left by a killed view, longer than a frame" * 20000)
+        asdic(*options, "--pings", "1").check(code=0)
+        with open(film, "rb") as file:
+            tap.equal(len(file.read().split(b"\n", 1)[1]), 6 + 3 * 640 * 360, "bytes of a frame")
+        tap.equal(os.path.exists(film + ".part"), False, "renamed")
+        os.mkfifo(folder / "pipe")
+        with open(folder / "through", "wb") as file, subprocess.Popen(["cat", folder / "pipe"], stdout=file):
+            view(scene, "--y4m", folder / "pipe", "--pings", "1", "--size", "640x360")
+        with open(film, "rb") as one, open(folder / "through", "rb") as other:
+            tap.equal(one.read() == other.read(), True, "frames through a pipe")
+        tap.contains(view(scene, "--y4m", "/dev/full", "--pings", "1", code=1).err,
+                     "cannot write '/dev/full': No space left on device")
 
 
 def same_file(part, again, name):
