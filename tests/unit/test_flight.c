@@ -410,6 +410,37 @@ static void current_is_met_by_a_crab_angle(void **state) {
     }
 }
 
+/* A vehicle of 4 m/s in 5 knots from all sides, in nearly what it cannot hold, and, on one line alone,
+ * carried faster than it goes itself. Lines are left at a turn only. */
+static void strong_currents_are_flown_in(void **state) {
+    (void)state;
+    static const double points_m[] = {0, 0, 5, 400, 0, 5, 400, 400, 5};
+    static const struct {
+        double current_mps[2];
+        size_t points;
+    } cases[] = {{{0, 2.57}, 3},    {{0, -2.57}, 3},  {{2.57, 0}, 3}, {{-2.57, 0}, 3},
+                 {{-2.7, -2.7}, 3}, {{3.8, -0.5}, 3}, {{6, -3.6}, 2}};
+    for (size_t i = 0; i < 2 * sizeof cases / sizeof *cases; i++) {
+        const double *current_mps = cases[i / 2].current_mps;
+        size_t points = cases[i / 2].points;
+        asdic_flight flight = nomoto(points_m, points, 4, 6, 1, 0.3);
+        flight.current_mps[0] = current_mps[0];
+        flight.current_mps[1] = current_mps[1];
+        if (i % 2) { /* all of half the speed */
+            flight = remus100(points_m, points, 2);
+            flight.current_mps[0] = 0.5 * current_mps[0];
+            flight.current_mps[1] = 0.5 * current_mps[1];
+        }
+        asdic_track *track = fly(flight);
+        for (size_t n = 0; n < track->count; n++) {
+            const track_point *p = &track->points[n];
+            assert_true(fabs(p->y_m) < 1 || p->x_m > 330);
+            assert_true(fabs(p->x_m - 400) < 1 || p->y_m < 200);
+        }
+        asdic_track_destroy(&track);
+    }
+}
+
 /* Waves of 3 m, 200 m long, and a hole without a bottom. */
 static double wavy_m(const void *user, double north_m, double east_m) {
     (void)user;
@@ -542,6 +573,7 @@ int main(void) {
         cmocka_unit_test(remus_moves_along_its_axes),
         cmocka_unit_test(remus_flies_a_box),
         cmocka_unit_test(current_is_met_by_a_crab_angle),
+        cmocka_unit_test(strong_currents_are_flown_in),
         cmocka_unit_test(altitude_is_held_over_the_bottom),
         cmocka_unit_test(altitude_ends_at_the_surface),
         cmocka_unit_test(any_waypoints_come_to_an_end),

@@ -524,14 +524,37 @@ static void waypoints_can_be_flown(void **state) {
     expect_edit(
         pose,
         "  waypoints: {points_m: [[0, 0, 7], [99, 0, 7]], vehicle: remus100, speed_mps: 3, "
-        "response_s: 2, current_mps: [2, 0]}",
+        "response_s: 2, current_mps: [-4, 0]}",
         "8:80: error: 'speed_mps' = 3 is outside the 1 to 2.5 m/s for which 'vehicle: "
         "remus100' is valid; change it or give 'vehicle: nomoto'  "
         "[mission.waypoints.speed_mps]\n"
         "8:83: error: 'response_s' has no effect on 'vehicle: remus100', which has its own; "
         "leave it out  [mission.waypoints]\n"
-        "8:111: error: 'current_mps' runs at 2 m/s, more than 0.5 of 'speed_mps' = 3; the "
-        "vehicle could not hold its line  [mission.waypoints.current_mps]\n");
+        "8:111: error: 'current_mps' runs at 4 m/s against the line to point 1, which a vehicle of "
+        "'speed_mps' = 3 makes no headway on; raise 'speed_mps', or give the way as 'track'  "
+        "[mission.waypoints.current_mps]\n");
+    /* North, then east. */
+    static const char across[] = "8:90: error: 'current_mps' runs at %s m/s across the line to "
+                                 "point %d, which a vehicle of 'speed_mps' = 4 cannot hold; raise "
+                                 "'speed_mps', or give the way as 'track'  "
+                                 "[mission.waypoints.current_mps]\n";
+    static const struct {
+        const char *current_mps, *across_mps;
+        int point;
+    } currents[] = {{"0, 2.57", "", 0}, {"3.9, 3.9", "", 0},   {"-2.8, -2.8", "", 0},
+                    {"0, 4", "4", 1},   {"9, -4.2", "4.2", 1}, {"9, 0", "9", 2},
+                    {"9, 3", "9", 2},   {"-9, -9", "9", 1}};
+    for (size_t i = 0; i < sizeof currents / sizeof *currents; i++) {
+        char edit[200], expected[300] = "";
+        snprintf(edit, sizeof edit,
+                 "  waypoints: {points_m: [[0, 0, 7], [99, 0, 7], [99, 99, 7]], speed_mps: 4, "
+                 "current_mps: [%s]}",
+                 currents[i].current_mps);
+        if (currents[i].point) {
+            snprintf(expected, sizeof expected, across, currents[i].across_mps, currents[i].point);
+        }
+        expect_edit(pose, edit, expected);
+    }
 }
 
 static void all_errors_come_in_one_run_in_order(void **state) {

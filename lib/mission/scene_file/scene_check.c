@@ -14,10 +14,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The largest share that a current may have of a vehicle's speed. The rest is enough to hold a
- * line and make headway, with the speed that turns cost. */
-#define MAX_CURRENT 0.5
-
 bool asdic_scene_node_good(const asdic_yaml_node *node) {
     return node && !node->bad;
 }
@@ -425,7 +421,6 @@ static void check_remus(const file_waypoints *w, asdic_problems *problems) {
 
 /* Checks speeds, and the keys of the vehicle's model. */
 static void check_vehicle(const file_waypoints *w, asdic_problems *problems) {
-    double current_mps = hypot(w->current_mps[0], w->current_mps[1]);
     if (w->vehicle == ASDIC_VEHICLE_REMUS100) {
         check_remus(w, problems);
     } else if (w->dive_rate_mps >= w->speed_mps) {
@@ -433,12 +428,25 @@ static void check_vehicle(const file_waypoints *w, asdic_problems *problems) {
                            "'dive_rate_mps' = %.15g is not below 'speed_mps' = %.15g",
                            w->dive_rate_mps, w->speed_mps);
     }
-    if (current_mps > MAX_CURRENT * w->speed_mps) {
-        asdic_yaml_problem(problems, at(w->node, "current_mps"),
-                           "'current_mps' runs at %.4g m/s, more than %g of 'speed_mps' = %.15g; "
-                           "the vehicle could not hold its line",
-                           current_mps, MAX_CURRENT, w->speed_mps);
+}
+
+/* Whether the vehicle makes headway along the line to point INDEX. */
+static bool check_current(const file_waypoints *w, size_t index, asdic_problems *problems) {
+    const double *to_m = (const double *)w->points.items + 3 * index, *from_m = to_m - 3;
+    double course_rad = atan2(to_m[1] - from_m[1], to_m[0] - from_m[0]), across_mps;
+    double headway_mps =
+        asdic_flight_headway_mps(w->speed_mps, w->current_mps, course_rad, &across_mps);
+    bool is_held = fabs(across_mps) < w->speed_mps;
+    if (is_held && headway_mps > 0.0) {
+        return true;
     }
+    asdic_yaml_problem(problems, at(w->node, "current_mps"),
+                       "'current_mps' runs at %.4g m/s %s the line to point %zu, which a vehicle "
+                       "of 'speed_mps' = %.15g %s; raise 'speed_mps', or give the way as 'track'",
+                       is_held ? w->speed_mps - headway_mps : fabs(across_mps),
+                       is_held ? "against" : "across", index, w->speed_mps,
+                       is_held ? "makes no headway on" : "cannot hold");
+    return false;
 }
 
 /* Checks that the vehicle can fly from point to point through water. */
@@ -455,7 +463,8 @@ static void check_waypoints(const asdic_scene_file *file, asdic_problems *proble
     }
     asdic_yaml_node *node = asdic_yaml_child(w->node, "points_m")->first;
     const double *last_m = NULL, *m = w->points.items;
-    for (; node; node = node->next, last_m = m, m += 3) {
+    bool makes_way = true; /* said once */
+    for (size_t i = 0; node; node = node->next, last_m = m, m += 3, i++) {
         if (m[2] < 0.0) {
             asdic_yaml_problem(problems, node->last,
                                "the waypoint is %.15g m above the sea surface; z is positive down",
@@ -465,6 +474,8 @@ static void check_waypoints(const asdic_scene_file *file, asdic_problems *proble
             asdic_yaml_problem(problems, node,
                                "the waypoint is at the same place as the one before, or straight "
                                "above or below it; the vehicle needs a way to fly");
+        } else if (last_m && makes_way) {
+            makes_way = check_current(w, i, problems);
         }
     }
 }

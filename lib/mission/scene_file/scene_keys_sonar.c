@@ -199,7 +199,9 @@ static const asdic_key waypoints_keys[] = {
      .max = 10, .fallback = "0.3", .doc = "fastest change of depth"},
     {"current_mps", ASDIC_KEY_NUMBERS, WAYPOINTS(current_mps), .unit = "m/s", .min = -10, .max = 10,
      .count = 2, .fallback = "[0, 0]",
-     .doc = "velocity of the water towards north and east, the same everywhere"},
+     .doc =
+         "velocity of the water towards north and east, the same everywhere; across a line between "
+         "points, or against it, less than speed_mps"},
     {"altitude_m", ASDIC_KEY_NUMBER, WAYPOINTS(altitude_m), .unit = "m", .min = 0.1, .max = 1000,
      .doc = "height above the bottom straight below to be held, instead of the points' depths"},
 };

@@ -42,9 +42,21 @@ static double along(const flight_leg *leg, const flight_state *s, double *across
     return dx * leg->north + dy * leg->east;
 }
 
+double asdic_flight_headway_mps(double speed_mps, const double current_mps[2], double course_rad,
+                                double *across_mps) {
+    double north = cos(course_rad), east = sin(course_rad);
+    double across = current_mps[1] * north - current_mps[0] * east;
+    double left2 = (speed_mps + across) * (speed_mps - across);
+    if (across_mps) {
+        *across_mps = across;
+    }
+    return sqrt(fmax(left2, 0.0)) + current_mps[0] * north + current_mps[1] * east;
+}
+
 /* The heading that makes good the COURSE in the current: its part across is met by a crab angle. */
 static double crab(const asdic_flight *f, double course_rad) {
-    double across_mps = f->current_mps[1] * cos(course_rad) - f->current_mps[0] * sin(course_rad);
+    double across_mps;
+    asdic_flight_headway_mps(f->speed_mps, f->current_mps, course_rad, &across_mps);
     return course_rad - asin(asdic_flight_clamp(across_mps / f->speed_mps, 1.0));
 }
 
@@ -128,9 +140,9 @@ static bool record(asdic_track *track, const flight_state *s, double time_s) {
 static double patience_s(const asdic_pilot *p) {
     const asdic_flight *f = p->flight;
     const flight_leg *leg = &p->leg;
-    double slowest_mps = f->speed_mps - hypot(f->current_mps[0], f->current_mps[1]);
+    double headway_mps = asdic_flight_headway_mps(f->speed_mps, f->current_mps, leg->yaw_rad, NULL);
     double turns_s = 4.0 * 2.0 * ASDIC_PI * p->model.turn_radius_m / f->speed_mps;
-    return 3.0 * (leg->length_m / slowest_mps + turns_s) + 100.0 * p->model.response_s;
+    return 3.0 * (leg->length_m / headway_mps + turns_s) + 100.0 * p->model.response_s;
 }
 
 static flight_state begin(const asdic_flight *f) {

@@ -44,6 +44,11 @@ typedef struct asdic_order {
     double yaw_rad, z_m;
 } asdic_order;
 
+/* Speed over ground along a COURSE that is held in the current, whose part across to starboard, which
+ * must be below the speed, goes to *ACROSS (NULL: not wanted). */
+double asdic_flight_headway_mps(double speed_mps, const double current_mps[2], double course_rad,
+                                double *across_mps);
+
 /* At the first waypoint; FLIGHT is borrowed. */
 void asdic_pilot_begin(asdic_pilot *pilot, const asdic_flight *flight);
 

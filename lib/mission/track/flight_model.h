@@ -29,7 +29,7 @@ typedef struct asdic_flight {
     double speed_mps;                 /* through the water */
     double turn_radius_m, response_s; /* of ASDIC_VEHICLE_NOMOTO */
     double dive_rate_mps;             /* the same; below the speed */
-    double current_mps[2];            /* towards north and east; well below the speed */
+    double current_mps[2];            /* towards north and east; lets every line be held */
     double altitude_m;                /* above the bottom; NAN: depths are given */
     /* Depth of the bottom; INFINITY where there is none, and the waypoint's depth is flown. */
     double (*bottom_m)(const void *user, double north_m, double east_m);
