@@ -182,10 +182,18 @@ def test_check_and_plan_say_how_it_turns():
 
 def test_steps_must_fill_the_sector():
     with Folder() as folder:
-        path = scene(folder, "bad.yaml", "  scan: {sector_deg: 100, step_deg: 7}\n")
-        err = asdic("check", path).check(code=3).err
-        tap.contains(err, "'step_deg' = 7 goes 14.29 times into 'sector_deg' = 100")
-        tap.contains(err, "as with 7.14286")
+        for sector, step, times, steps, sectors in (
+                (100, 7, "14.29", 7.14285714, "98"), (100, 0.9, "111.1", 0.900900901, "99.9"),
+                (10, 30, "0.3333", 10, "30"), (359, 0.93, "386", 0.930051813, "358.98"),
+                (359.9, 7, "51.41", 7.05686275, "357"), (359.9, 0.8, "449.9", 0.799777778, "359.2"),
+                (360, 0.7, "514.3", 0.700389105, "359.8, which is gone back and forth")):
+            path = scene(folder, "bad.yaml", f"  scan: {{sector_deg: {sector}, step_deg: {step}}}\n")
+            err = asdic("check", path).check(code=3).err
+            tap.contains(err, f"'step_deg' = {step} goes {times} times into 'sector_deg' = {sector}; it must be a "
+                         f"whole number of times, as with {steps}, or as with 'sector_deg' = {sectors}  [sonar.scan")
+            for remedy in (sector, steps), (sectors.split(",")[0], step):
+                path = scene(folder, "good.yaml", "  scan: {{sector_deg: {}, step_deg: {}}}\n".format(*remedy))
+                asdic("check", path).check(code=0)
 
 
 def test_netcdf_has_the_direction_of_every_ping():

@@ -207,11 +207,15 @@ static void check_scan(const file_sweep *scan, asdic_problems *problems) {
     }
     double steps = scan->sector_deg / scan->step_deg;
     if (fabs(steps - rint(steps)) > 1e-6 * steps || steps < 0.5) {
+        double whole = fmax(rint(steps), 1.0);
+        double sector_deg = scan->step_deg * (scan->step_deg * whole < 360.0 ? whole : whole - 1.0);
         asdic_yaml_problem(problems, at(scan->node, "step_deg"),
                            "'step_deg' = %.15g goes %.4g times into 'sector_deg' = %.15g; it must "
-                           "be a whole number of times, as with %.6g",
-                           scan->step_deg, steps, scan->sector_deg,
-                           scan->sector_deg / fmax(rint(steps), 1.0));
+                           "be a whole number of times, as with %.9g, or as with 'sector_deg' = "
+                           "%.9g%s",
+                           scan->step_deg, steps, scan->sector_deg, scan->sector_deg / whole,
+                           sector_deg,
+                           scan->sector_deg < 360.0 ? "" : ", which is gone back and forth");
     }
 }
 
