@@ -7,6 +7,7 @@
 #include "base/try.h"
 #include "base/vec.h"
 #include "laws/scatterer.h"
+#include "scene/moving.h"
 #include "scene/primitive.h"
 #include "scene/scene.h"
 #include "scene/triangles.h"
@@ -139,14 +140,20 @@ static void find_box(const asdic_mesh *mesh, asdic_mission_object *object) {
     }
 }
 
-static asdic_status add_to_scene(asdic_scene *scene, const asdic_mesh *mesh,
-                                 const asdic_mission_object *o, bool anywhere) {
-    if (o->name[0] && anywhere) {
+static asdic_status add_to_scene(const asdic_mission *m, const asdic_mesh *mesh,
+                                 const asdic_mission_object *o) {
+    asdic_scene *scene = m->scene;
+    const asdic_track *track = o->moves ? asdic_mission_track_of(m, o->name) : NULL;
+    if (o->name[0] && m->stands_anywhere) {
         /* The same scene, whatever places were drawn for the first run that needed it. */
         return asdic_scene_add_moving_object(scene, o->name, mesh, (asdic_pose){0}, o->material);
     }
-    if (o->moves) {
-        return asdic_scene_add_moving_object(scene, o->name, mesh, o->pose, o->material);
+    if (track) {
+        TRY(asdic_scene_add_moving_object(scene, o->name, mesh, o->pose, o->material));
+        /* The same origin, and so the same roundings, whenever a mission or a recording of it begins. */
+        scene->movables[scene->movable_count - 1].anchor =
+            asdic_track_pose(track, asdic_track_start_s(track));
+        return ASDIC_OK;
     }
     return o->name[0] ? asdic_scene_add_object(scene, o->name, mesh, o->pose, o->material)
                       : asdic_scene_add_bottom(scene, mesh, o->pose, o->material);
@@ -165,7 +172,7 @@ static asdic_status place(mission_builder *b, asdic_yaml_node *node, const asdic
             object.mesh.hint[0] = '\0'; /* sizes in the scene file are in metres */
         }
         m->objects[m->object_count++] = object;
-        status = add_to_scene(m->scene, mesh, &object, m->stands_anywhere);
+        status = add_to_scene(m, mesh, &object);
     }
     return asdic_mission_file_problem(b, node, status);
 }

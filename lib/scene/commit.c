@@ -26,12 +26,28 @@ static box join(box a, box b) {
     };
 }
 
+/* Brings M's CORNERS to its anchor, and PART's radius with them; the box round them. */
+static box anchor(const asdic_movable *m, double *corners_m, asdic_part *part) {
+    asdic_mat3 turn =
+        asdic_mat3_attitude(m->anchor.roll_rad, m->anchor.pitch_rad, m->anchor.yaw_rad);
+    asdic_part there;
+    box out;
+    for (size_t i = 0; i < m->count; i++) {
+        asdic_place_corners(&m->corners_m[9 * i], turn, m->anchor.position_m, &corners_m[9 * i]);
+    }
+    asdic_place_sphere(corners_m, m->count, &there, &out.lo, &out.hi);
+    part->radius_m = there.radius_m;
+    return out;
+}
+
 /* Bounding spheres of the parts that are not placed yet; the triangles of a part are contiguous. The
  * boxes of the scene and of the ground: bottoms, before any object. The ground's centre is the
- * origin, so that objects come and go without it; without a ground the scene's centre. */
+ * origin, so that objects come and go without it; without a ground the centre of what stays, or,
+ * where all moves, of that at its anchors, where what moves is until it is placed. */
 static void measure_parts(asdic_scene *scene) {
     const box empty = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
-    box all = empty, ground = empty;
+    box all = empty, ground = empty, still = empty, anchored = empty;
+    const asdic_movable *movable = scene->movables; /* the next one: as parts, in order */
     size_t count = scene->built;
     if (count > 0) {
         all = ground = (box){scene->ground_min_m, scene->ground_max_m};
@@ -45,13 +61,19 @@ static void measure_parts(asdic_scene *scene) {
         asdic_place_sphere(&scene->corners_m[9 * begin], end - begin, &scene->parts[number],
                            &part.lo, &part.hi);
         all = join(all, part);
+        if (scene->parts[number].moves) {
+            anchored = join(anchored,
+                            anchor(movable++, &scene->corners_m[9 * begin], &scene->parts[number]));
+        } else {
+            still = join(still, part);
+        }
         if (begin == count && scene->parts[number].kind == DEV_KIND_BOTTOM) {
             ground = join(ground, part);
             count = end;
         }
     }
     if (scene->triangle_count > 0) {
-        box frame = count > 0 ? ground : all;
+        box frame = count > 0 ? ground : isfinite(still.lo.x) ? still : anchored;
         scene->min_m = all.lo;
         scene->max_m = all.hi;
         scene->ground_count = count;

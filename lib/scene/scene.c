@@ -274,7 +274,7 @@ asdic_status asdic_scene_add_moving_object(asdic_scene *scene, const char *name,
     asdic_movable *m = &scene->movables[scene->movable_count];
     m->part = scene->part_count;
     m->first = scene->triangle_count;
-    m->pose = pose;
+    m->pose = m->anchor = pose;
     asdic_status status = add_part(scene, &part, mesh, &pose, &material);
     if (status) {
         free(m->corners_m);

@@ -336,6 +336,24 @@ output: {elements: true}
             same_file(f"{out}/000", f"{out}/again", "pings.npy")
 
 
+def test_recordings_replay_what_moves_alone():
+    """Where no ground holds the origin: whatever has moved, and turned, before the recording."""
+    need_view()
+    with Folder() as folder:
+        write_scene(folder)
+        folder.write("ball.csv", "time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n"
+                     "-5,15,-4,9,0,0,0\n60,17,27,8,40,300,70\n")
+        ground = "bottom: {grid: {file: floor.asc, values: depths}, type: sand}"
+        box = '  - {name: box, box: {size_m: [1, 2, 0.7]}, position_m: [12, 3, 9], material: {impedance_mrayl: 45}}\n'
+        for number, objects in enumerate(("objects:\n", "objects:\n" + box)):
+            text = SCENE.replace(ground, "bottom: {depth_m: 14}").replace("objects:\n", objects)
+            out = folder / f"rec{number}"
+            view(folder.write("scene.yaml", text), "--y4m", "/dev/null", "--pings", "24", "--size", "640x360", "-o", out,
+                 "--keys", "1:r")
+            asdic("run", f"{out}/000/scene.yaml", "-o", f"{out}/again").check(code=0)
+            same_file(f"{out}/000", f"{out}/again", "pings.npy")
+
+
 def test_keys_and_mistakes():
     with Folder() as folder:
         scene = write_scene(folder)
