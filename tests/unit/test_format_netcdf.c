@@ -604,7 +604,7 @@ static void what_cannot_begin_says_why(void **state) {
 /* A backslash is no slash, in a folder's name. */
 static void folders_are_called_what_they_are(void **state) {
     (void)state;
-    char other[80], path[100], part[100];
+    char other[80], path[100], part[108];
     snprintf(other, sizeof other, "%s/a\\b", folder);
     snprintf(path, sizeof path, "%s/run.nc", other);
     snprintf(part, sizeof part, "%s.part", path);
