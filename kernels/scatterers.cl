@@ -324,7 +324,8 @@ __kernel void coherent_shade(__global const dev_ping *ping, __global const dev_c
     triple mean = mean_of_legs(out, back);
     real energy = rough_strength(&w, &f, &laws, met_out, met, mean, range) * f.share;
     energy = choose(f.kind == DEV_KIND_POINT, f.share, energy);
-    real tube = (real)(c->water_lin) * f.share * range * range;
+    /* Water's share is an angle as seen straight: an image has the same volume. */
+    real tube = (real)(c->water_lin) * f.share * straight.range.high * straight.range.high;
     energy = choose(f.kind == DEV_KIND_WATER, tube, energy);
     real amplitude = sqrt(energy);
     met.sine = R(0.5) * (met_out.sine + met.sine);

@@ -1,6 +1,7 @@
 /* What coherent pings have on average, anywhere: elements over terrain and past an object against pings of
  * intensities, beams of every shading against their weights. */
 #include "coherent_rig.h"
+#include "kernels/backscatter.h"
 #include "pulse.h"
 
 #include <complex.h>
@@ -194,6 +195,61 @@ static void ways_of_one_length_add_in_phase(void **state) {
     rig_destroy(&r);
 }
 
+/* Elements and a transmitter that hear alike wherever they face: UP, or, where they do not, everywhere. */
+static ping_rig hears_alike(bool up) {
+    ping_rig r = wide_band();
+    asdic_beam *faces[] = {&r.sonar.transmitter, &r.sonar.array.element, &r.receivers[0]};
+    for (int i = 0; i < 3; i++) {
+        faces[i]->length_h_m = faces[i]->length_v_m = 1e-4;
+        faces[i]->pitch_rad = up ? -0.25 * TURN : 0.0;
+    }
+    r.sonar.rear_floor_db = up ? -INFINITY : 0.0;
+    r.sonar.array.elements = 2; /* as close as one: away from the transmitter ways differ */
+    r.sonar.array.spacing_m = 1e-4;
+    r.sonar.max_range_m = 24.0;
+    r.env.wind_speed_kn = 0.0;
+    r.sampling.rays = 5000;
+    r.sampling.multipath = ASDIC_MULTIPATH_BOUNDARIES;
+    return r;
+}
+
+/* Water below a calm surface, H above. Straight it is a sphere, or the upper half of one, whose cap beyond the surface
+ * is that of the image; one leg by the surface, spheroids about both, of which either way adds in phase. */
+static void water_is_heard_by_way_of_the_surface(void **state) {
+    (void)state;
+    const double h = 7.0;
+    const uint64_t pings = full ? 100 : 8;
+    for (int up = 0; up < 2; up++) {
+        ping_rig r = hears_alike(up);
+        asdic_scene_destroy(&r.scene);
+        assert_ok(t.ctx, asdic_scene_create(t.ctx, &r.scene));
+        asdic_scene_set_surface(r.scene, true);
+        r.env.particle_strength_db = -50.0;
+        r.sampling.left_out = 1u << ASDIC_TERM_SURFACE;
+        means m = average(&r, pings);
+        double loss = asdic_environment_absorption_db_per_km(&r.env, 100e3, h) / 1000.0;
+        double strength_db = volume_backscatter_db(-50.0, 100.0);
+        static const size_t edges[] = {1, 6, 9, 14};
+        for (int k = 0; k < 3; k++) {
+            double heard = 0.0, expected = 0.0;
+            for (size_t n = edges[k]; n < edges[k + 1]; n++) {
+                double d = (double)n + 0.5, far = fmin(h / d, 1.0);
+                double between = d > h ? atanh(up ? far * far : far) / (h * d) : 0.0;
+                expected += TURN * ((up ? 1.0 : 2.0) / (double)(n * n + n) + 4.0 * between) *
+                            pow(10.0, 0.1 * (strength_db - 2.0 * loss * (d - 1.0)));
+                heard += m.element[n];
+            }
+            double db = 10.0 * log10(heard / expected);
+            print_message("%s, %zu to %zu m: off by %.2f dB\n", up ? "up" : "all around", edges[k],
+                          edges[k + 1], db);
+            assert_close(db, 0.0, full ? 0.15 : 0.3);
+        }
+        free(m.element);
+        free(m.beams);
+        rig_destroy(&r);
+    }
+}
+
 static double sinc(double x) {
     return fabs(x) < 1e-9 ? 1.0 : sin(0.5 * TURN * x) / (0.5 * TURN * x);
 }
@@ -282,6 +338,7 @@ int main(int argc, char **argv) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(elements_hear_as_much_as_intensities),
         cmocka_unit_test(ways_of_one_length_add_in_phase),
+        cmocka_unit_test(water_is_heard_by_way_of_the_surface),
         cmocka_unit_test(beams_take_in_what_their_weights_say),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
