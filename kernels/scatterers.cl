@@ -39,13 +39,14 @@ static float lane_0(real x) {
     return ((float *)&x)[0];
 }
 
-/* A direction for a scatterer of the water: half of them anywhere, half where the transmitter is loud.
- * Returns the solid angle times the number of scatterers that it stands for. */
-static float water_direction(__global const dev_ping *ping, float2 at, uint k, vector *u) {
+/* A direction for a scatterer of the water: half of them anywhere, half where the transmitter is loud. What lies behind
+ * is heard by a leak, or by way of a mirror. Returns the solid angle times the number of scatterers that it stands for. */
+static float water_direction(__global const dev_ping *ping, bool mirrors, float2 at, uint k,
+                             vector *u) {
     __global const dev_beam *t = beams_of(ping);
-    float most = ping->rear_lin > 0.0f ? M_PI_F : M_PI_2_F;
+    float front = ping->rear_lin > 0.0f ? M_PI_F : M_PI_2_F, most = mirrors ? M_PI_F : front;
     float rise = min(1.2f / t->length_v_wl, 1.0f);
-    float turn = t->length_h_wl > 1.2f ? lane_0(asin((real)(1.2f / t->length_h_wl))) : most;
+    float turn = t->length_h_wl > 1.2f ? lane_0(asin((real)(1.2f / t->length_h_wl))) : front;
     bool loud = (k & 1u) != 0u;
     float z = (2.0f * at.x - 1.0f) * (loud ? rise : 1.0f);
     float phi = (2.0f * at.y - 1.0f) * (loud ? turn : most);
@@ -60,12 +61,13 @@ static float water_direction(__global const dev_ping *ping, float2 at, uint k, v
 }
 
 /* Where a patch's k-th scatterer is, in the scene frame; the fourth: its share. */
-static float4 scatterer_of(__global const dev_ping *ping, __global const dev_patch *patch, uint k) {
+static float4 scatterer_of(__global const dev_ping *ping, __global const dev_coherent *c,
+                           __global const dev_patch *patch, uint k) {
     float2 at = patch->smooth != 0u ? grid_of(patch, k) : fractions_of(patch, k);
     float4 p;
     if (patch->kind == DEV_KIND_WATER) {
         vector u;
-        float solid = water_direction(ping, at, k, &u);
+        float solid = water_direction(ping, c->slots > c->scatterers, at, k, &u);
         float depth =
             (float)((lattice_first(patch->start[1], k) * 747796405u) >> 8) * 5.9604645e-8f;
         float range = patch->corner[0] + depth * patch->edge1[0];
@@ -91,7 +93,7 @@ __kernel void coherent_place(__global const dev_ping *ping, __global const dev_c
     __global const dev_patch *patch = patches + at;
     for (uint k = 0; k < patch->count; k++) {
         uint slot = patch->first + k;
-        float4 p = scatterer_of(ping, patch, k);
+        float4 p = scatterer_of(ping, c, patch, k);
         places[slot] = p;
         owner[slot] = at;
 #if ASDIC_HAS_MESH

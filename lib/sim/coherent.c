@@ -178,11 +178,8 @@ static asdic_status furnish(asdic_simulator *sim, const asdic_water_column *wate
 
 /* Pairs of ways there and back: the straight one, and those by way of the planes that mirror. */
 static size_t ways_of(const asdic_simulator *sim) {
-    const asdic_scene *scene = sim->setup.scene;
-    bool mirrors = sim->setup.sampling.multipath == ASDIC_MULTIPATH_BOUNDARIES &&
-                   !(sim->setup.sampling.left_out & (1u << ASDIC_TERM_MULTIPATH));
-    size_t planes = (size_t)scene->has_surface + (size_t)scene->has_bottom_plane;
-    return mirrors ? 1 + DEV_MIRROR_WAYS * planes : 1;
+    double depth_m[2];
+    return 1 + DEV_MIRROR_WAYS * asdic_patches_mirrors(sim, depth_m);
 }
 
 static asdic_status check_memory(const asdic_simulator *sim, size_t scatterers) {

@@ -42,6 +42,8 @@ typedef struct finder {
     const asdic_ping_shot *shot;
     asdic_patches *out; /* NULL: scatterers are counted */
     asdic_vec3 at;      /* the sonar, scene frame */
+    double mirror_m[2]; /* depths of the planes that mirror, scene frame */
+    size_t mirrors;
     double counted, smooth_m2;
     double least_per_m2;         /* density that LEAST_OF_CELL asks for, 1 m away */
     float line[3];               /* the array's */
@@ -219,25 +221,48 @@ static void look_at_beams(finder *f) {
     }
 }
 
+/* How many scatterers a piece asks for, in any unit, and for what beams look at, at least; how far away it is heard
+ * from at most. */
+typedef struct demand {
+    double wanted, least, farthest_m;
+} demand;
+
+/* The most of what the straight way asks for, and those by way of mirrors: what lies behind may be loud there. */
+static demand ask(const finder *f, const piece *p, double reach, double area) {
+    demand most = {0.0, 0.0, 0.0};
+    for (size_t k = 0; k <= f->mirrors; k++) {
+        asdic_vec3 at = middle_of(p);
+        at.z = k > 0 ? 2.0 * f->mirror_m[k - 1] - at.z : at.z;
+        asdic_vec3 way = asdic_vec3_sub(at, f->at);
+        double range = asdic_vec3_length(way), near = fmax(range, 0.5 * f->shot->ping->blanking_m);
+        double loud = loudness(f, asdic_vec3_scale(way, 1.0 / fmax(range, 1e-9)),
+                               fmin(reach / fmax(range, 1e-9), 1.0));
+        most.wanted = fmax(most.wanted, area * loud / near);
+        if (loud > 0.0 && near_beams(f, way, reach)) {
+            most.least = fmax(most.least, area * f->least_per_m2 / near);
+        }
+        most.farthest_m = fmax(most.farthest_m, range);
+    }
+    return most;
+}
+
 /* Cuts a piece until DEV_PATCH_SCATTERERS suffice it, and takes what may be heard. */
 static void cut_piece(finder *f, const piece *p) {
     const dev_ping *ping = f->shot->ping;
-    asdic_vec3 way = asdic_vec3_sub(middle_of(p), f->at);
-    double range = asdic_vec3_length(way), reach = reach_of(p), area = area_of(p);
-    if (range - reach > ping->range_m || range + reach < ping->blanking_m || area <= 0.0) {
+    double range = asdic_vec3_length(asdic_vec3_sub(middle_of(p), f->at));
+    double reach = reach_of(p), area = area_of(p);
+    if (range - reach > ping->range_m || area <= 0.0) {
         return;
     }
-    double near = fmax(range, 0.5 * ping->blanking_m);
-    double loud = loudness(f, asdic_vec3_scale(way, 1.0 / fmax(range, 1e-9)),
-                           fmin(reach / fmax(range, 1e-9), 1.0));
-    if (loud == 0.0) {
+    demand asked = ask(f, p, reach, area);
+    if (asked.wanted == 0.0 || asked.farthest_m + reach < ping->blanking_m) {
         return;
     }
     if (p->smooth) {
         cut_smooth(f, p);
         return;
     }
-    double wanted = area * loud / near;
+    double near = fmax(range, 0.5 * ping->blanking_m), wanted = asked.wanted;
     bool wide = reach > WIDEST_PIECE * near && reach > 0.05;
     if (!f->out) {
         if (wide) {
@@ -247,10 +272,7 @@ static void cut_piece(finder *f, const piece *p) {
         }
         return;
     }
-    wanted *= f->out->per_m2;
-    if (near_beams(f, way, reach)) {
-        wanted = fmax(wanted, area * f->least_per_m2 / near);
-    }
+    wanted = fmax(wanted * f->out->per_m2, asked.least);
     if (wide || wanted > DEV_PATCH_SCATTERERS) {
         cut_in_four(f, p);
         return;
@@ -328,8 +350,10 @@ static void cut_surfaces(finder *f) {
 /* Shells of water, new in every ping: what scatters there drifts. */
 static void cut_water(finder *f, double wanted) {
     const dev_ping *ping = f->shot->ping;
-    double depth = ping->range_m - ping->blanking_m;
-    if (f->sim->setup.sampling.left_out & (1u << ASDIC_TERM_VOLUME) || depth <= 0.0) {
+    /* What is too near straight may be heard by way of a mirror. */
+    double from = f->mirrors > 0 ? 0.0 : ping->blanking_m, depth = ping->range_m - from;
+    if (f->sim->setup.sampling.left_out & (1u << ASDIC_TERM_VOLUME) ||
+        ping->range_m <= ping->blanking_m) {
         return;
     }
     double pulse = 0.5 * f->shot->water.sound_speed_mps / f->sim->setup.sonar.bandwidth_hz;
@@ -344,7 +368,7 @@ static void cut_water(finder *f, double wanted) {
                    .triangle = ~0u,
                    .kind = DEV_KIND_WATER,
                    .name = {(uint32_t)i, ping->ping[0], 0x40000000u + ping->ping[1]}};
-        p.corner.x = ping->blanking_m + (double)i * thick;
+        p.corner.x = from + (double)i * thick;
         add_patch(f, &p, each);
         if (!f->out->out_of_memory) {
             f->out->items[f->out->count - 1].share = (float)(thick / each);
@@ -374,12 +398,32 @@ static double smooth_side(const finder *f, double count) {
     return fmax(0.25 * f->shot->water.wavelength_m, sqrt(2.0 * f->smooth_m2 / count));
 }
 
+size_t asdic_patches_mirrors(const asdic_simulator *sim, double depth_m[2]) {
+    const asdic_scene *scene = sim->setup.scene;
+    size_t count = 0;
+    if (sim->setup.sampling.multipath != ASDIC_MULTIPATH_BOUNDARIES ||
+        sim->setup.sampling.left_out & (1u << ASDIC_TERM_MULTIPATH)) {
+        return 0;
+    }
+    if (scene->has_surface) {
+        depth_m[count++] = 0.0;
+    }
+    if (scene->has_bottom_plane) {
+        depth_m[count++] = scene->bottom_plane_depth_m;
+    }
+    return count;
+}
+
 asdic_status asdic_patches_find(const asdic_simulator *sim, const asdic_ping_shot *shot,
                                 asdic_patches *out) {
     finder f = {.sim = sim,
                 .shot = shot,
                 .at = asdic_vec3_sub(shot->pose.position_m, sim->placement->origin_m)};
     double wanted = sim->setup.sampling.rays;
+    f.mirrors = asdic_patches_mirrors(sim, f.mirror_m);
+    for (size_t i = 0; i < f.mirrors; i++) {
+        f.mirror_m[i] -= sim->placement->origin_m.z;
+    }
     out->count = out->slots = 0;
     out->out_of_memory = false;
     cut_surfaces(&f); /* counts */

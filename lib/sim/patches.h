@@ -22,6 +22,10 @@ typedef struct asdic_patches {
 /* Finds the patches for SHOT, about as many scatterers as sampling.rays. */
 asdic_status asdic_patches_find(const asdic_simulator *sim, const asdic_ping_shot *shot,
                                 asdic_patches *out);
+
+/* The depths of the planes by way of which scatterers are heard; returns how many there are. */
+size_t asdic_patches_mirrors(const asdic_simulator *sim, double depth_m[2]);
+
 void asdic_patches_finish(asdic_patches *patches);
 
 #endif

@@ -229,10 +229,10 @@ static void water_is_heard_by_way_of_the_surface(void **state) {
         means m = average(&r, pings);
         double loss = asdic_environment_absorption_db_per_km(&r.env, 100e3, h) / 1000.0;
         double strength_db = volume_backscatter_db(-50.0, 100.0);
-        static const size_t edges[] = {1, 6, 9, 14};
+        static const size_t first[] = {1, 8, 14}, end[] = {7, 14, 24};
         for (int k = 0; k < 3; k++) {
             double heard = 0.0, expected = 0.0;
-            for (size_t n = edges[k]; n < edges[k + 1]; n++) {
+            for (size_t n = first[k]; n < end[k]; n++) {
                 double d = (double)n + 0.5, far = fmin(h / d, 1.0);
                 double between = d > h ? atanh(up ? far * far : far) / (h * d) : 0.0;
                 expected += TURN * ((up ? 1.0 : 2.0) / (double)(n * n + n) + 4.0 * between) *
@@ -240,14 +240,43 @@ static void water_is_heard_by_way_of_the_surface(void **state) {
                 heard += m.element[n];
             }
             double db = 10.0 * log10(heard / expected);
-            print_message("%s, %zu to %zu m: off by %.2f dB\n", up ? "up" : "all around", edges[k],
-                          edges[k + 1], db);
+            print_message("%s, %zu to %zu m: off by %.2f dB\n", up ? "up" : "all around", first[k],
+                          end[k], db);
             assert_close(db, 0.0, full ? 0.15 : 0.3);
         }
         free(m.element);
         free(m.beams);
         rig_destroy(&r);
     }
+}
+
+/* What lies behind a sonar that looks up is before it by way of a calm surface: a bottom 3 m below, or mirrored one of 17 m.
+ * A sonar that looks down on such a bottom hears as much. */
+static void what_lies_behind_is_heard_by_way_of_a_mirror(void **state) {
+    (void)state;
+    double heard[2] = {0.0, 0.0};
+    for (int up = 0; up < 2; up++) {
+        ping_rig r = hears_alike(true);
+        if (!up) {
+            r.sonar.transmitter.pitch_rad = r.sonar.array.element.pitch_rad = 0.25 * TURN;
+        }
+        r.sonar.max_range_m = 28.0;
+        r.sonar.blanking_m = 5.0; /* beyond the way straight down */
+        r.sampling.left_out |= 1u << ASDIC_TERM_SURFACE;
+        assert_ok(t.ctx, asdic_scene_set_bottom_plane(r.scene, up ? 10.0 : 24.0,
+                                                      asdic_material_bottom(2.0)));
+        asdic_scene_set_surface(r.scene, up);
+        means m = average(&r, full ? 100 : 20);
+        for (size_t n = 19; n < 28; n++) {
+            heard[up] += m.element[n];
+        }
+        free(m.element);
+        free(m.beams);
+        rig_destroy(&r);
+    }
+    double db = 10.0 * log10(heard[1] / heard[0]);
+    print_message("behind, by way of the surface: off by %.2f dB\n", db);
+    assert_close(db, 0.0, full ? 0.15 : 0.3);
 }
 
 static double sinc(double x) {
@@ -339,6 +368,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test(elements_hear_as_much_as_intensities),
         cmocka_unit_test(ways_of_one_length_add_in_phase),
         cmocka_unit_test(water_is_heard_by_way_of_the_surface),
+        cmocka_unit_test(what_lies_behind_is_heard_by_way_of_a_mirror),
         cmocka_unit_test(beams_take_in_what_their_weights_say),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
