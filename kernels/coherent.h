@@ -154,6 +154,30 @@ FORMULA phasor phasor_of(real turns) {
     return out;
 }
 
+FORMULA phasor phasor_times(phasor a, phasor b) {
+    phasor out = {a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re};
+    return out;
+}
+
+/* R / |R| of a fluid bottom: Rayleigh's coefficient of mirror.h, in which losses make n^2 = (index (1 - i loss))^2, as time
+ * goes with exp(i omega t), and the root P = p - i q. R = (m sin - P) / (m sin + P) has the phase of
+ * m^2 sin^2 - |P|^2 + 2 i m q sin; towards grazing it is -1. */
+FORMULA phasor fluid_reflection_phase(real sin_grazing, real density_ratio, real index,
+                                      real loss_ratio) {
+    real s = r_min(r_max(sin_grazing, R(1.0e-6)), R(1.0)), m = density_ratio * s,
+         n2 = index * index;
+    real re = n2 * (R(1.0) - loss_ratio) * (R(1.0) + loss_ratio) - (R(1.0) - s) * (R(1.0) + s);
+    real im = R(2.0) * n2 * loss_ratio, size = sqrt(re * re + im * im); /* of P^2 */
+    real larger = sqrt(r_max(R(0.5) * (size + r_abs(re)), R(1.0e-30)));
+    real q = choose(re < R(0.0), larger, R(0.5) * im / larger);
+    phasor out = {m * m - size, R(2.0) * m * q};
+    real length = sqrt(out.re * out.re + out.im * out.im);
+    mask nothing = length <= R(0.0);
+    out.re = choose(nothing, R(1.0), out.re / r_max(length, R(1.0e-30)));
+    out.im /= r_max(length, R(1.0e-30));
+    return out;
+}
+
 /* What the way to an element at Y on the line is longer than that to the centre: r_e - r_0, without the
  * difference of large numbers. The scatterer is RANGE from the centre and ALONG the line. */
 FORMULA real element_longer(real y, real along, real range) {

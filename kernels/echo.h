@@ -321,7 +321,7 @@ typedef struct law_lanes {
     mask is_table, is_searay, is_facet, is_course; /* which law */
     real formula[4];                               /* as dev_material */
     real reflection2, roughness_g;
-    real density_ratio, index;
+    real density_ratio, index, loss_ratio;
     natural strength, reflected; /* tables */
     real coherent_area_m2;
 } law_lanes;
@@ -332,6 +332,7 @@ static law_lanes laws_met(const world *w, const meeting *m) {
     l.formula[0] = l.formula[1] = l.formula[2] = l.formula[3] = R(1.0);
     l.reflection2 = l.roughness_g = R(0.0);
     l.density_ratio = l.index = R(1.0);
+    l.loss_ratio = R(0.0);
     l.strength = l.reflected = (natural)(0u);
     LANES {
         __global const dev_material *c =
@@ -345,6 +346,7 @@ static law_lanes laws_met(const world *w, const meeting *m) {
         AT(l.roughness_g, float) = c->roughness_g;
         AT(l.density_ratio, float) = c->density_ratio;
         AT(l.index, float) = c->index;
+        AT(l.loss_ratio, float) = c->loss_ratio;
         AT(l.strength, uint) = c->strength;
         AT(l.reflected, uint) = c->reflected;
     }

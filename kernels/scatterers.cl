@@ -288,19 +288,27 @@ static triple mean_of_legs(triple out, triple back) {
     return mean;
 }
 
-/* What the plane that mirrors leaves of a pressure along U: the surface, soft, turns its sign. */
-static real mirror_amplitude(const world *w, const found *f, triple u) {
+/* What the plane that mirrors makes of a pressure along U, where a leg goes BY way of it: the surface, soft, turns its
+ * sign, a fluid bottom its phase. */
+static phasor mirror_factor(const world *w, const found *f, mask by, triple u) {
+    mask surface = f->plane == DEV_KIND_SURFACE;
     meeting m = f->m;
     m.kind = f->plane;
     m.triangle = (natural)(0xffffffffu);
     m.facet.x = m.facet.y = R(0.0);
     m.facet.z = R(-1.0);
     m.surface = m.facet;
-    m.material = choose_natural(f->plane == DEV_KIND_SURFACE, (natural)(w->ping->surface_material),
+    m.material = choose_natural(surface, (natural)(w->ping->surface_material),
                                 (natural)(w->ping->bottom_material));
     law_lanes laws = laws_met(w, &m);
-    real share = mirrored(w, &laws, &m, surface_slant(&m, u));
-    return choose(f->plane == DEV_KIND_SURFACE, R(-1.0), R(1.0)) * sqrt(share);
+    slant a = surface_slant(&m, u);
+    real amplitude = sqrt(mirrored(w, &laws, &m, a));
+    phasor turn = fluid_reflection_phase(a.sine, laws.density_ratio, laws.index, laws.loss_ratio);
+    mask turns = (surface == 0) & (laws.density_ratio > R(0.0));
+    turn.re = choose(turns, turn.re, choose(surface, R(-1.0), R(1.0)));
+    turn.im = choose(turns, turn.im, R(0.0));
+    phasor out = {choose(by, amplitude * turn.re, R(1.0)), choose(by, amplitude * turn.im, R(0.0))};
+    return out;
 }
 
 /* ASDIC_WIDTH slots a work-item. GATES: the gate of every slot. */
@@ -345,8 +353,8 @@ __kernel void coherent_shade(__global const dev_ping *ping, __global const dev_c
     real k = (real)(ping->absorption_np_per_m);
     amplitude *= sqrt(gain * sqrt(ray_transmission(k, r_max(sent.range.high, R(1e-3))) *
                                   ray_transmission(k, r_max(range, R(1e-3)))));
-    amplitude *= choose(f.out, mirror_amplitude(&w, &f, sent.u), R(1.0));
-    amplitude *= choose(f.back, mirror_amplitude(&w, &f, heard_from.u), R(1.0));
+    phasor by = phasor_times(mirror_factor(&w, &f, f.out, sent.u),
+                             mirror_factor(&w, &f, f.back, heard_from.u));
 
     random4 draw = {{f.number, f.key0, f.key1, (natural)(RANDOM_SCATTERER)}};
     draw = philox4x32(draw, ping->seed[0], ping->seed[1]);
@@ -356,7 +364,7 @@ __kernel void coherent_shade(__global const dev_ping *ping, __global const dev_c
     chance.im = choose(sure, R(0.0), chance.im);
     two both = two_add(sent.range, heard_from.range);
     two turns = {(real)(c->turns_per_m), (real)(c->turns_per_m_low)};
-    phasor way = phasor_of(-two_turns(both, turns));
+    phasor way = phasor_times(phasor_of(-two_turns(both, turns)), by);
     real half_way = R(0.5) * both.high;
 
     mask plane = (f.m.triangle == 0xffffffffu) & (f.m.kind != DEV_KIND_NONE);
@@ -364,8 +372,9 @@ __kernel void coherent_shade(__global const dev_ping *ping, __global const dev_c
     mask one_side =
         (f.m.triangle == 0xffffffffu) | (dot3(f.m.facet, out) * dot3(f.m.facet, back) >= R(0.0));
     mask heard = f.there & one_side & (amplitude != R(0.0)) &
-                 (half_way >= (real)(ping->blanking_m)) & (half_way < (real)(ping->range_m)) &
-                 (plane | in_water(ping, f.at.z)) & ((f.plane == 0u) | (f.plane != f.m.kind));
+                 ((by.re != R(0.0)) | (by.im != R(0.0))) & (half_way >= (real)(ping->blanking_m)) &
+                 (half_way < (real)(ping->range_m)) & (plane | in_water(ping, f.at.z)) &
+                 ((f.plane == 0u) | (f.plane != f.m.kind));
     natural gate = to_natural(half_way / (real)(c->sample_m * DEV_GATE_SAMPLES));
     LANES {
         uint at = slot + lane;

@@ -93,12 +93,12 @@ typedef struct dev_material {
                             phase (0: what the facet says); COURSE: gain, beta0, beta1, cap */
     float reflection2;   /* FACET, COURSE: R^2 */
     float roughness_g;   /* formulas: 4 k^2 s^2 */
-    float density_ratio; /* SEARAY: over that of water */
-    float index;         /* SEARAY: sound speed of water over that of the bottom */
+    float density_ratio; /* of a fluid bottom: over that of water; else 0 */
+    float index;         /* of a fluid bottom: sound speed of water over its own */
     dev_uint strength;   /* TABLE: where it begins, in words from the first material; 0: silent */
     dev_uint reflected;  /* the same of the share that is reflected; 0: nothing */
-    dev_uint pad;
-} dev_material; /* 48 bytes */
+    float loss_ratio;    /* of a fluid bottom: imaginary over real wave number */
+} dev_material;          /* 48 bytes */
 
 /* Half the width that a ray has, relative to the largest coordinate in play: 8 units in the last
  * place, twice what the roundings in shear, box test and 1 / direction add up to (intersect.h). */

@@ -206,6 +206,9 @@ static void prepare(asdic_scatterer *s) {
     prepare_kirchhoff(made);
     prepare_large(made);
     made[ROUGHNESS_G] = roughness_parameter(s->water.wavelength_m, height_rms_m(made));
+    s->device.density_ratio = (float)it.density_ratio; /* for the phase of what is reflected */
+    s->device.index = (float)(1.0 / it.speed_ratio);
+    s->device.loss_ratio = (float)it.loss_ratio;
 }
 
 /* --- strength ------------------------------------------------------------------------------------ */

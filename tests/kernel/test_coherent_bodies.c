@@ -2,6 +2,9 @@
 #include "coherent_rig.h"
 
 #include "base/vec.h"
+#include "laws/scatterer.h"
+
+#include <complex.h>
 
 static test_device t;
 
@@ -196,6 +199,64 @@ static void a_point_interferes_with_its_image(void **state) {
     assert_true(worst < 0.2);
 }
 
+/* R of a fluid bottom for waves exp(i (w t - k x)), its size from LAW, which roughness makes less. */
+static double complex reflection(const asdic_scatterer *law, const double *fluid, double sine) {
+    double complex kappa = (1.0 - I * fluid[2]) / fluid[1];
+    double complex through = csqrt(kappa * kappa - (1.0 - sine * sine));
+    through = cimag(through) > 0.0 ? -through : through; /* fades downwards */
+    double complex r = (fluid[0] * sine - through) / (fluid[0] * sine + through);
+    return sqrt(law->material.law->reflected(law, sine)) * r / cabs(r);
+}
+
+/* A point, far louder than the bottom below, over sand and a smooth sediment with losses: at grazing angles that they
+ * reflect all of, and steeper. */
+static void a_bottom_turns_the_phase(void **state) {
+    (void)state;
+    static const double fluid[2][4] = {{1.9, 1.1, 0.0}, {1.7, 1.15, 0.03, 1e-6}};
+    static const double across_m[] = {40.0, 14.0}, own_m[] = {2.0, 8.0}, from_m[] = {0.3, 0.05};
+    double worst = 0.0, least = INFINITY, most = -INFINITY;
+    asdic_material bottom[2] = {asdic_material_bottom(2.0),
+                                asdic_material_of(asdic_law_find("apl-bottom"))};
+    static const char *const keys[] = {"density_ratio", "sound_speed_ratio", "loss_ratio",
+                                       "spectral_strength_cm4"};
+    assert_ok(t.ctx, asdic_material_set(t.ctx, &bottom[1], "grain_size_phi", 1.5));
+    for (int k = 0; k < 4; k++) {
+        assert_ok(t.ctx, asdic_material_set(t.ctx, &bottom[1], keys[k], fluid[1][k]));
+    }
+    for (int i = 0; i < 48; i++) {
+        int law = i % 2, steep = i / 2 % 2;
+        ping_rig r = long_pulse();
+        r.sampling.multipath = ASDIC_MULTIPATH_BOUNDARIES;
+        double own = own_m[steep], above = from_m[steep] * (1.0 + 0.1 * (i / 4));
+        double depth = r.pose.position_m.z + own, across = across_m[steep];
+        assert_ok(t.ctx, asdic_scene_set_bottom_plane(r.scene, depth, bottom[law]));
+        asdic_vec3 at = {across, 0.0, depth - above};
+        assert_ok(t.ctx, asdic_scene_add_point(r.scene, "p", at, 80.0));
+        asdic_simulator *sim = rig_simulator(&r);
+        asdic_ping *ping = array_shoot(&r, sim, 0);
+        double direct = hypot(across, own - above), image = hypot(across, own + above);
+        double alpha = asdic_environment_absorption_db_per_km(&r.env, 100e3, 7.0) * log(10.0) / 2e4;
+        asdic_law_water water = {100e3, 1500.0, WAVELENGTH_M, 0.0};
+        asdic_scatterer scatterer = asdic_scatterer_at(&bottom[law], &water);
+        double complex one_way = exp(-alpha * (direct - 1.0)) / direct +
+                                 reflection(&scatterer, fluid[law], (own + above) / image) *
+                                     exp(-alpha * (image - 1.0)) / image *
+                                     cexp(-I * TURN * (image - direct) / WAVELENGTH_M);
+        double expected = 80.0 + 40.0 * log10(cabs(one_way) * direct);
+        const float *p = array_at(ping, 1, (size_t)(direct / ping->sample_m));
+        double level = 10.0 * log10((double)p[0] * p[0] + (double)p[1] * p[1]);
+        least = fmin(least, expected);
+        most = fmax(most, expected);
+        worst = fmax(worst, fabs(level + 40.0 * log10(direct) - expected));
+        asdic_ping_destroy(&ping);
+        asdic_simulator_destroy(&sim);
+        rig_destroy(&r);
+    }
+    print_message("over bottoms fringes of %.0f dB: off by %.3f dB\n", most - least, worst);
+    assert_true(most - least > 20.0);
+    assert_true(worst < 0.2);
+}
+
 /* A level plate between sonar and surface is seen from below, and its image from above: out by one way and back by
  * the other nothing is heard. */
 static void nothing_goes_through_a_plate(void **state) {
@@ -288,6 +349,7 @@ int main(void) {
         cmocka_unit_test(a_plate_has_its_lobes),
         cmocka_unit_test(a_cylinder_has_its_lobes),
         cmocka_unit_test(a_point_interferes_with_its_image),
+        cmocka_unit_test(a_bottom_turns_the_phase),
         cmocka_unit_test(nothing_goes_through_a_plate),
         cmocka_unit_test(a_point_on_a_wall_is_heard),
     };
