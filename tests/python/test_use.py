@@ -590,6 +590,64 @@ except KeyboardInterrupt:
 """
 
 
+HELD_DOWN = """
+import os, signal, threading, time
+import asdic
+over, left, hits = time.monotonic() + 3, 0, 0
+pid = os.getpid()
+if os.fork() == 0:
+    for k in range(300):
+        time.sleep(0.003 + 0.0001 * (k * 37 % 50))
+        os.kill(pid, signal.SIGINT)
+    os._exit(0)
+while hits < 300 and time.monotonic() < over:
+    try:
+        asdic.model("sound-speed", t_degc=10, s_ppt=35, z_m=10)
+    except KeyboardInterrupt:
+        pass
+    finally:
+        try:
+            hits += 1
+            left += any(thread.name == "asdic" for thread in threading.enumerate())
+        except KeyboardInterrupt:
+            pass
+signal.signal(signal.SIGINT, signal.SIG_IGN)
+print("left", left, flush=True)
+os._exit(0)
+"""
+
+
+def test_ctrl_c_leaves_no_call_on_its_own():
+    """Wherever it comes: a call that went on would work on memory that the interpreter frees."""
+    done = subprocess.run([sys.executable, "-c", HELD_DOWN], capture_output=True, text=True, check=False, timeout=60)
+    tap.equal((done.returncode, done.stdout.split()), (0, ["left", "0"]), done.stderr)
+
+
+def test_what_nobody_wants_goes_at_once():
+    """Without the garbage collector, which counts objects, not how large they are."""
+    need_device()
+    gc.collect()
+    gc.disable()
+    try:
+        with asdic.Simulator(pool()) as sonar:
+            ping = sonar.ping(0, 0, 5)
+            parts = ping.parts
+            tap.equal(parts["bottom"] is ping.parts["bottom"], True, "made once")
+            tap.equal(ping.intensity["total"].shape, ping.level_db.shape)
+            gone = weakref.ref(ping)
+            del ping
+            tap.equal(parts["surface"].shape, parts["bottom"].shape, "levels keep their ping")
+            del parts
+            tap.equal(gone(), None, "a ping whose parts were looked at")
+        run = asdic.simulate(pool())
+        folder = run.folder
+        tap.equal(run.parts["bottom"].ndim, 3)
+        del run
+        tap.equal(os.path.exists(folder), False, "the folder of a run whose parts were looked at")
+    finally:
+        gc.enable()
+
+
 def test_ctrl_c():
     """A run of hours ends at the next ping, its folder is whole, and the interpreter goes on."""
     need_device()

@@ -64,7 +64,7 @@ typedef void (*asdic_progress_fn)(void *user, const char *what, size_t done, siz
 ASDIC_API void asdic_context_set_progress(asdic_context *ctx, asdic_progress_fn fn, void *user);
 
 /* Asks a running call (a mission, a bench) to stop at the next ping, an expectation at the next
- * beam, a drawing at the next picture, and for good: calls that follow stop as well. Safe in a
+ * bin, a drawing at the next picture, and for good: calls that follow stop as well. Safe in a
  * signal handler. */
 ASDIC_API void asdic_context_interrupt(asdic_context *ctx);
 ASDIC_API bool asdic_context_interrupted(const asdic_context *ctx);

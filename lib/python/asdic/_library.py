@@ -10,6 +10,7 @@ import functools
 import logging
 import math
 import os
+import signal
 import sys
 import threading
 import warnings
@@ -195,6 +196,37 @@ def warn(message: str) -> None:
     warnings.warn(message, Remark, stacklevel=depth - 1)
 
 
+class _CtrlC:
+    """Keeps what handlers of Ctrl-C raise until the end: raised anywhere, it would leave a call on its own."""
+
+    def __init__(self, interrupt: Callable[[], None]) -> None:
+        self._interrupt = interrupt
+        self._handler: Any = None
+        self.raised: BaseException | None = None
+
+    def keep(self, error: BaseException) -> None:
+        """ERROR ends the call, and goes on from there."""
+        self.raised = self.raised or error
+        self._interrupt()
+
+    def _note(self, *args: Any) -> None:
+        try:
+            self._handler(*args)
+        except BaseException as error:  # pylint: disable=broad-except # raised again at the end
+            self.keep(error)
+
+    def __enter__(self) -> _CtrlC:
+        handler: Any = signal.getsignal(signal.SIGINT)
+        if callable(handler) and threading.current_thread() is threading.main_thread():
+            self._handler = handler
+            signal.signal(signal.SIGINT, self._note)
+        return self
+
+    def __exit__(self, *_: Any) -> None:
+        if self._handler:
+            signal.signal(signal.SIGINT, self._handler)
+
+
 class Context:
     """One context of the library, for one thread at a time: others wait."""
 
@@ -254,7 +286,6 @@ class Context:
         exception goes on from here. A driver that compiles cannot be interrupted and is waited for.
         """
         status: list[int] = []
-        stop: BaseException | None = None
         over = threading.Event()
 
         def work() -> None:
@@ -264,18 +295,15 @@ class Context:
                 over.set()
 
         with self.lock:
-            thread = threading.Thread(target=work, name="asdic")
-            thread.start()
-            while thread.is_alive():
-                try:
-                    self._report()
-                    if over.wait(0.1):
-                        thread.join()
-                except BaseException as error:  # pylint: disable=broad-except # raised again below
-                    lib.asdic_context_interrupt(self.pointer)
-                    stop = stop or error
-            if stop:
-                raise stop
+            with _CtrlC(lambda: lib.asdic_context_interrupt(self.pointer)) as held:
+                threading.Thread(target=work, name="asdic").start()
+                while not over.wait(0.1):
+                    try:
+                        self._report()
+                    except BaseException as error:  # pylint: disable=broad-except # raised again below
+                        held.keep(error)
+            if held.raised:
+                raise held.raised
             self._report()  # a short call may be over before the first look
             self.check(status[0])
             self._finish()
@@ -362,9 +390,13 @@ def encoded(value: Any, what: str) -> bytes:
 
 
 def number(value: Any, what: str) -> float:
-    """A finite float."""
+    """A finite float, of what is a number and no text of one."""
+    if isinstance(value, (str, bytes, bool)):
+        raise TypeError(f"{what} = {value!r} is not a number")
     try:
         result = float(value)
+    except OverflowError:
+        result = math.inf
     except (TypeError, ValueError) as error:
         raise TypeError(f"{what} = {value!r} is not a number") from error
     if not math.isfinite(result):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+from typing import Any, Callable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -26,16 +26,18 @@ LEARN_BLOCK = int(lib.ASDIC_LEARN_BLOCK)
 
 
 class Levels(Mapping[str, np.ndarray]):
-    """Arrays by the name of the mechanism, made when they are asked for."""
+    """Arrays by the name of the mechanism, made when they are asked for, and kept in MADE by their owner: it does not
+    know these levels, so that both go when nobody wants them, without the garbage collector."""
 
-    def __init__(self, names: tuple[str, ...], make: Any) -> None:
-        self._names, self._make = names, functools.lru_cache(maxsize=None)(make)
+    def __init__(self, names: tuple[str, ...], make: Callable[[str], np.ndarray], made: dict[str, np.ndarray]) -> None:
+        self._names, self._make, self._made = names, make, made
 
     def __getitem__(self, name: str) -> np.ndarray:
         if name not in self._names:
             raise KeyError(f"{name!r} is none of {', '.join(self._names)}")
-        array: np.ndarray = self._make(name)
-        return array
+        if name not in self._made:
+            self._made[name] = self._make(name)
+        return self._made[name]
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._names)
@@ -149,9 +151,13 @@ class Ping:
         return place
 
     @functools.cached_property
+    def _made(self) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
+        return {}, {}  # intensities, levels
+
+    @property
     def intensity(self) -> Levels:
         """Energy of each bin, linear re 1 uPa^2, of "total" and each mechanism."""
-        return Levels(tuple(COMPONENTS), lambda name: self._energies[COMPONENTS[name]])
+        return Levels(tuple(COMPONENTS), lambda name: self._energies[COMPONENTS[name]], self._made[0])
 
     def _levels(self, name: str) -> np.ndarray:
         levels = np.empty(self._shape, np.float32)
@@ -165,10 +171,10 @@ class Ping:
             self._level_db = self._levels("total")
         return self._level_db
 
-    @functools.cached_property
+    @property
     def parts(self) -> Levels:
         """Levels of the mechanisms, dB re 1 uPa: parts["bottom"]."""
-        return Levels(PARTS, self._levels)
+        return Levels(PARTS, self._levels, self._made[1])
 
     @property
     def pose(self) -> Fields:

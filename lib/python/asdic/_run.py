@@ -165,10 +165,14 @@ class Run:
         return self._column("stderr_db")
 
     @functools.cached_property
+    def _made(self) -> dict[str, np.ndarray]:
+        return {}
+
+    @property
     def parts(self) -> Levels:
         """Levels of the mechanisms, dB re 1 uPa: parts["bottom"]. In float16 where the run is compact."""
         names = tuple(name for name in PARTS if f"{name}_db" in (self.records.dtype.names or ()))
-        return Levels(names, lambda name: self._column(f"{name}_db"))
+        return Levels(names, lambda name: self._column(f"{name}_db"), self._made)
 
     @functools.cached_property
     def truth(self) -> np.ndarray:
