@@ -237,6 +237,32 @@ static void meet_facet(const world *w, uint triangle, vector at, meeting *m, uin
     AT(m->material, uint) = part->material;
 }
 
+/* Whether the side from P to Q, seen from the ray, leaves it outside by more than SKIN. */
+static bool is_beyond(vector p, vector q, vector normal, float skin) {
+    vector side = vector_add(q, vector_scale(p, -1.0f));
+    float out = -vector_dot(vector_cross(p, q), normal);
+    return out > 0.0f && out * out > skin * skin * vector_dot(side, side);
+}
+
+/* Tracers widen triangles by a little of their size (TRACE_TOLERANCE), so that those of a long side stick out past a
+ * body's end. Whether the ray along U meets T there, at P beyond an edge by more than coordinates are rounded, where the
+ * mesh bends to the side that the ray comes from: nobody sees that, and it would return as a whole wall does. */
+static bool is_lip(__global const dev_triangle *t, vector p, vector u) {
+    vector normal = vector_of(t->normal[0], t->normal[1], t->normal[2]);
+    float away = vector_dot(normal, u);
+    uint rims = (away > 0.0f ? t->rims : t->rims >> 3) & 7u;
+    if (rims == 0u) {
+        return false;
+    }
+    vector a = vector_of(t->v0[0] - p.x, t->v0[1] - p.y, t->v0[2] - p.z);
+    vector b = vector_of(t->v1[0] - p.x, t->v1[1] - p.y, t->v1[2] - p.z);
+    vector c = vector_of(t->v2[0] - p.x, t->v2[1] - p.y, t->v2[2] - p.z);
+    float skin = 2.0f * TRACE_SKIN * max(max(fabs(p.x), fabs(p.y)), fabs(p.z)) / fabs(away);
+    return ((rims & 1u) != 0u && is_beyond(a, b, normal, skin)) ||
+           ((rims & 2u) != 0u && is_beyond(b, c, normal, skin)) ||
+           ((rims & 4u) != 0u && is_beyond(c, a, normal, skin));
+}
+
 #if ASDIC_BENT
 /* T at which the rays meet the planes of their triangles, which are flat only before they are lifted. */
 static real meet_flat(const world *w, const meeting *m, const ray *r) {
@@ -283,10 +309,16 @@ static meeting meet(const world *w, __global const dev_hit *hits, natural slots,
 #if ASDIC_BENT
     m.t = meet_flat(w, &m, r);
 #endif
-    triple at = ray_point(r, m.t);
+    triple at = ray_point(r, m.t), along = ray_direction(r, m.t);
     LANES {
-        if (AT(m.triangle, uint) != 0xffffffffu) {
-            meet_facet(w, AT(m.triangle, uint), lane_of(&at, lane), &m, lane);
+        uint triangle = AT(m.triangle, uint);
+        if (triangle != 0xffffffffu &&
+            is_lip(w->triangles + triangle, lane_of(&at, lane), lane_of(&along, lane))) {
+            AT(m.triangle, uint) = triangle = 0xffffffffu;
+            AT(m.t, float) = AT(m.traced, float) = INFINITY;
+        }
+        if (triangle != 0xffffffffu) {
+            meet_facet(w, triangle, lane_of(&at, lane), &m, lane);
         }
     }
 #endif

@@ -65,7 +65,9 @@ typedef struct dev_triangle {
     float flat_m2;  /* flat area that reflects in phase; of a curved surface the square of its
                         straight length */
     float radius_m; /* larger radius of curvature; 0: flat or straight one way */
-    dev_uint pad[2];
+    dev_uint
+        rims; /* bit k: the mesh bends back at the edge from corner k on; bit 3 + k: it bends forward */
+    dev_uint pad;
 } dev_triangle; /* 80 bytes */
 
 /* In the first of corner_normals: the facet is flat and its own normal holds everywhere. */

@@ -66,8 +66,24 @@ static uint32_t facet_beyond(const asdic_surface *s, uint32_t facet, uint32_t a,
     return found;
 }
 
+/* Marks which way the mesh bends at edge K of FACET, where OTHER goes on. */
+static void mark_rim(asdic_surface *s, uint32_t facet, int k, uint32_t other) {
+    const uint32_t *v = &s->vertex[3 * (size_t)facet], *w = &s->vertex[3 * (size_t)other];
+    size_t apex = 0;
+    while (apex < 2 && (w[apex] == v[k] || w[apex] == v[(k + 1) % 3])) {
+        apex++;
+    }
+    const float *n = s->facets[facet].normal;
+    asdic_vec3 way = asdic_vec3_sub(asdic_surface_corner(s, 3 * (size_t)other + apex),
+                                    asdic_surface_corner(s, 3 * (size_t)facet + (size_t)k));
+    double above = asdic_vec3_dot((asdic_vec3){n[0], n[1], n[2]}, way);
+    if (fabs(above) > SAME_PLANE * asdic_vec3_length(way)) {
+        s->facets[facet].rims |= 1u << (above < 0.0 ? k : 3 + k);
+    }
+}
+
 /* Facets that are wound alike have their common edge in opposite directions. Files may hold a body's facets wound
- * either way; from the first of each piece on the others follow. QUEUE has room for all. */
+ * either way; from the first of each piece on the others follow. QUEUE has room for all. Marks rims on the way. */
 static void find_sides(asdic_surface *s, uint32_t *queue) {
     memset(s->side, 0, s->count);
     for (uint32_t seed = 0; seed < s->count; seed++) {
@@ -82,7 +98,11 @@ static void find_sides(asdic_surface *s, uint32_t *queue) {
             for (int k = 0; k < 3; k++) {
                 int way = 0;
                 uint32_t other = facet_beyond(s, facet, v[k], v[(k + 1) % 3], &way);
-                if (other != NO_FACET && s->side[other] == 0) {
+                if (other == NO_FACET) {
+                    continue;
+                }
+                mark_rim(s, facet, k, other);
+                if (s->side[other] == 0) {
                     s->side[other] = (int8_t)(-way * s->side[facet]);
                     queue[tail++] = other;
                 }

@@ -203,6 +203,16 @@ static asdic_status smooth_part(asdic_scene *scene, size_t begin, size_t end) {
     return status;
 }
 
+/* Of facets that stand for no curved surface. */
+static asdic_status mark_rims(asdic_scene *scene, size_t begin, size_t end) {
+    asdic_surface surface;
+    asdic_status status = asdic_surface_init(
+        scene->ctx, scene->corners_m + 9 * begin, scene->triangles + begin, (uint32_t)(end - begin),
+        2.0 * scene->parts[scene->triangles[begin].part].radius_m, &surface);
+    asdic_surface_finish(&surface);
+    return status;
+}
+
 asdic_status asdic_scene_smooth(asdic_scene *scene) {
     for (size_t begin = scene->built, end; begin < scene->triangle_count; begin = end) {
         /* A part's triangles lie together, in the order in which they were added. */
@@ -210,8 +220,11 @@ asdic_status asdic_scene_smooth(asdic_scene *scene) {
         for (end = begin; end < scene->triangle_count && scene->triangles[end].part == number;) {
             scene->triangles[end++].corner_normals[0] = DEV_FLAT;
         }
-        if (scene->materials[scene->parts[number].material].law->formula == DEV_LAW_FACET) {
+        const asdic_part *part = &scene->parts[number];
+        if (scene->materials[part->material].law->formula == DEV_LAW_FACET) {
             TRY(smooth_part(scene, begin, end));
+        } else if (part->kind == DEV_KIND_OBJECT) {
+            TRY(mark_rims(scene, begin, end));
         }
     }
     return ASDIC_OK;
