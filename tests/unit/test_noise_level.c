@@ -22,9 +22,10 @@ static asdic_environment calm(void) {
 /* A beam of so many wavelengths, which hears DIRECTIVITY times less than all round. */
 static const struct {
     double across, up, directivity;
-} beams[] = {{0.1, 1.0, 2.0}, /* of an open half-space */
-             {20.0, 2.0, 160.0 * PI},
-             {10.0, 5.0, 200.0 * PI},
+} beams[] = {{0.1, 0.1, 2.0},    /* of an open half-space */
+             {0.1, 1.0, 4.0},    /* the integral over its pattern: 4.50 */
+             {20.0, 0.05, 80.0}, /* the integral: 80.7 */
+             {20.0, 2.0, 160.0 * PI}, {10.0, 5.0, 200.0 * PI},
              {20.0, 9.0, 720.0 * PI}}; /* not the sonar's */
 #define BEAMS (sizeof beams / sizeof *beams - 1)
 
