@@ -261,8 +261,11 @@ extern "C" asdic_status asdic_openmesh_read(const asdic_mesh_scan *scan, asdic_p
     try {
         PolygonImporter importer(scan);
         if (!read_polygons(scan, importer)) {
-            return asdic_fail(scan->ctx, ASDIC_ERROR_INPUT, "%s: OpenMesh cannot read this file",
-                              scan->path);
+            return asdic_fail(
+                scan->ctx, ASDIC_ERROR_INPUT,
+                "%s: OpenMesh cannot read this file; write it anew in a plain layout, "
+                "or in another format (.obj, .off, .ply, .stl)",
+                scan->path);
         }
         out->vertices_m = copy_of(importer.vertices);
         out->corners = copy_of(importer.corners);

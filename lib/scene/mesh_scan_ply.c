@@ -1,6 +1,7 @@
 /*
  * PLY, text or binary of either byte order: the header's counts are checked against the size of
- * the file before anything is allocated, then every element is walked.
+ * the file before anything is allocated, then every element is walked. Coordinates and corners alone
+ * are kept in the text for OpenMesh, which reads a list beside the corners as corners.
  */
 #include "mesh_scan_ply.h"
 
@@ -103,6 +104,21 @@ static double binary_value(const ply_file *ply, ply_type type, const char *at) {
     }
 }
 
+/* Goes to where the next value begins, in text maybe some lines on. */
+static bool find_value(ply_file *ply) {
+    if (!ply->text) {
+        return true;
+    }
+    asdic_line_skip_blanks(&ply->line);
+    while (ply->line.at >= ply->line.end) {
+        if (!asdic_line_next(ply->scan, &ply->line)) {
+            return false;
+        }
+        asdic_line_skip_blanks(&ply->line);
+    }
+    return true;
+}
+
 static bool take_value(ply_file *ply, ply_type type, double *out) {
     if (!ply->text) {
         const char *end = ply->scan->text + ply->scan->size;
@@ -113,12 +129,8 @@ static bool take_value(ply_file *ply, ply_type type, double *out) {
         ply->at += type_bytes[type];
         return isfinite(*out);
     }
-    asdic_line_skip_blanks(&ply->line);
-    while (ply->line.at >= ply->line.end) {
-        if (!asdic_line_next(ply->scan, &ply->line)) {
-            return false;
-        }
-        asdic_line_skip_blanks(&ply->line);
+    if (!find_value(ply)) {
+        return false;
     }
     if (type < PLY_FLOAT) {
         long long value;
@@ -133,10 +145,23 @@ static bool take_value(ply_file *ply, ply_type type, double *out) {
            (type == PLY_DOUBLE || fabs(*out) <= FLT_MAX);
 }
 
+/* Keeps the values from FROM to the reading position; a blank, in text, ends them. It takes the place of
+ * one that was read, or of a line's end, which is found again without it. */
+static void keep_values(ply_file *ply, const char *from) {
+    asdic_ply_keep(ply, from, ply->text ? ply->line.at : ply->at);
+    if (ply->text && ply->to < ply->scan->text + ply->scan->size) {
+        *ply->to++ = ' ';
+    }
+}
+
 /* The values of one property; V receives a coordinate. Returns false at the first bad value. */
 static bool walk_property(ply_file *ply, const ply_property *property, double v[3],
                           long long vertices) {
     double value, count = 1.0;
+    if (!find_value(ply)) {
+        return false;
+    }
+    const char *from = ply->text ? ply->line.at : ply->at;
     if (property->count != PLY_NONE && !take_value(ply, property->count, &count)) {
         return false;
     }
@@ -159,6 +184,9 @@ static bool walk_property(ply_file *ply, const ply_property *property, double v[
         if (property->corners) {
             *hash = asdic_hash_fold(*hash, (uint64_t)value);
         }
+    }
+    if (asdic_ply_keeps(property)) {
+        keep_values(ply, from);
     }
     return true;
 }
@@ -194,6 +222,8 @@ static asdic_status walk(ply_file *ply) {
     for (size_t e = 0; e < ply->element_count; e++) {
         TRY(walk_element(ply, &ply->elements[e]));
     }
+    *ply->to = 0;
+    ply->scan->size = (size_t)(ply->to - ply->scan->text);
     return ASDIC_OK;
 }
 

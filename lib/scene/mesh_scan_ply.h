@@ -43,10 +43,17 @@ typedef struct ply_file {
     size_t element_count;
     const char *at;  /* reading position in the body */
     asdic_line line; /* the same for text */
+    char *to;        /* the end of the text that is kept for OpenMesh, which never overtakes */
 } ply_file;
 
-/* Fills PLY, which has its scan and else zeros, as the header says, and finds where the body begins. The
- * text is changed where OpenMesh would stumble. */
+/* Fills PLY, which has its scan and else zeros, as the header says, and finds where the body
+ * begins. Of the header, what a mesh needs is kept. */
 asdic_status asdic_ply_scan_header(ply_file *ply);
+
+/* Whether OpenMesh gets the property: a coordinate, or a facet's corners. */
+bool asdic_ply_keeps(const ply_property *property);
+
+/* Keeps the bytes from FROM to TO. */
+void asdic_ply_keep(ply_file *ply, const char *from, const char *to);
 
 #endif

@@ -1,9 +1,11 @@
-/* The header of a PLY, line by line; what OpenMesh reads differently is refused or rewritten. */
+/* The header of a PLY, line by line; what OpenMesh reads differently is refused, and what a mesh does
+ * not need is cut out of the text: OpenMesh loses its place at lists, and at what stands before corners. */
 #include "mesh_scan_ply.h"
+
+#include "base/try.h"
 
 #include "../base/context.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 static const struct {
@@ -15,6 +17,15 @@ static const struct {
     {"int", PLY_INT32},   {"int32", PLY_INT32},   {"uint", PLY_UINT32},   {"uint32", PLY_UINT32},
     {"float", PLY_FLOAT}, {"float32", PLY_FLOAT}, {"double", PLY_DOUBLE}, {"float64", PLY_DOUBLE},
 };
+
+bool asdic_ply_keeps(const ply_property *property) {
+    return property->axis >= 0 || property->corners;
+}
+
+void asdic_ply_keep(ply_file *ply, const char *from, const char *to) {
+    memmove(ply->to, from, (size_t)(to - from));
+    ply->to += to - from;
+}
 
 static ply_type take_type(asdic_line *line) {
     for (size_t i = 0; i < sizeof type_names / sizeof *type_names; i++) {
@@ -119,19 +130,12 @@ static asdic_status header_format(ply_file *ply, asdic_line *line) {
     return check_line_end(ply, line);
 }
 
-/* Some writers forget the word "comment"; OpenMesh reads on forever at such a line. */
-static asdic_status make_comment(const ply_file *ply, const asdic_line *line) {
-    static const char word[] = "comment ";
+/* Some writers forget the word "comment". */
+static asdic_status check_comment(const ply_file *ply, const asdic_line *line) {
     size_t left = (size_t)(line->end - line->at);
-    if (left == 0) {
-        return ASDIC_OK;
-    }
-    if (left < sizeof word - 2) {
-        return asdic_mesh_scan_fail(ply->scan, line->number, "unknown line in the header");
-    }
-    memcpy(ply->scan->text + (line->at - ply->scan->text), word,
-           left < sizeof word - 1 ? left : sizeof word - 1);
-    return ASDIC_OK;
+    return left == 0 || left >= strlen("comment")
+               ? ASDIC_OK
+               : asdic_mesh_scan_fail(ply->scan, line->number, "unknown line in the header");
 }
 
 /* A vertical tab ends a word for OpenMesh, which reads on forever behind "element v\ve 0". */
@@ -146,20 +150,43 @@ static asdic_status check_characters(const ply_file *ply, const asdic_line *line
     return ASDIC_OK;
 }
 
-/* The line at FROM, up to TO, becomes the second of the text, where OpenMesh takes whatever stands
- * there for the format; comments that stood before it move down. */
-static asdic_status lift_format(ply_file *ply, const char *from, const char *to) {
+/* The format becomes the second line of what is kept, where OpenMesh takes whatever stands there for
+ * it; a line of the file that says it has no fewer bytes. */
+static void keep_format(ply_file *ply) {
+    const char *line = ply->text         ? "format ascii 1.0\n"
+                       : ply->big_endian ? "format binary_big_endian 1.0\n"
+                                         : "format binary_little_endian 1.0\n";
     char *second = (char *)memchr(ply->scan->text, '\n', ply->scan->size) + 1;
-    size_t length = (size_t)(to - from);
-    char *copy = malloc(length + 1);
-    if (!copy) {
-        return asdic_fail_memory(ply->scan->ctx, "a line of a mesh file");
+    size_t length = strlen(line);
+    memmove(second + length, second, (size_t)(ply->to - second));
+    memcpy(second, line, length);
+    ply->to += length;
+}
+
+/* A line of the header but the first. *KEPT: it goes to OpenMesh as it is. */
+static asdic_status header_line(ply_file *ply, asdic_line *line, bool *format, bool *kept) {
+    if (asdic_line_take_word(line, "format")) {
+        if (*format) {
+            return asdic_mesh_scan_fail(ply->scan, line->number, "a second format");
+        }
+        *format = true;
+        return header_format(ply, line);
     }
-    memcpy(copy, from, length);
-    memmove(second + length, second, (size_t)(from - second));
-    memcpy(second, copy, length);
-    free(copy);
-    return ASDIC_OK;
+    if (asdic_line_take_word(line, "element")) {
+        TRY(header_element(ply, line));
+        const ply_element *element = &ply->elements[ply->element_count - 1];
+        *kept = element->vertex || element->face;
+        return ASDIC_OK;
+    }
+    if (asdic_line_take_word(line, "property")) {
+        TRY(header_property(ply, line));
+        const ply_element *element = &ply->elements[ply->element_count - 1];
+        *kept = asdic_ply_keeps(&element->properties[element->property_count - 1]);
+        return ASDIC_OK;
+    }
+    return asdic_line_take_word(line, "comment") || asdic_line_take_word(line, "obj_info")
+               ? ASDIC_OK
+               : check_comment(ply, line);
 }
 
 asdic_status asdic_ply_scan_header(ply_file *ply) {
@@ -169,37 +196,26 @@ asdic_status asdic_ply_scan_header(ply_file *ply) {
         return asdic_mesh_scan_fail(ply->scan, 1, "does not start with 'ply'");
     }
     const char *text_end = ply->scan->text + ply->scan->size;
+    ply->to = ply->scan->text + (line.end + 1 - ply->scan->text);
     while (asdic_line_next(ply->scan, &line)) {
-        const char *from = line.at;
-        asdic_status status = check_characters(ply, &line);
-        if (status != ASDIC_OK) {
-            return status;
-        }
+        const char *from = line.at, *to = line.end < text_end ? line.end + 1 : line.end;
+        TRY(check_characters(ply, &line));
         if (asdic_line_take_word(&line, "end_header")) {
             if (!format) {
                 break;
             }
-            ply->at = line.end < text_end ? line.end + 1 : line.end;
+            asdic_ply_keep(ply, from, to);
+            ply->at = to;
             ply->line = line;
+            ply->line.at = line.end; /* a carriage return before it may have moved */
             return ASDIC_OK;
         }
-        if (asdic_line_take_word(&line, "format")) {
-            status = format ? asdic_mesh_scan_fail(ply->scan, line.number, "a second format")
-                            : header_format(ply, &line);
-            if (status == ASDIC_OK && line.end < text_end) {
-                status = lift_format(ply, from, line.end + 1);
-            }
-            format = true;
-        } else if (asdic_line_take_word(&line, "element")) {
-            status = header_element(ply, &line);
-        } else if (asdic_line_take_word(&line, "property")) {
-            status = header_property(ply, &line);
-        } else if (!asdic_line_take_word(&line, "comment") &&
-                   !asdic_line_take_word(&line, "obj_info")) {
-            status = make_comment(ply, &line);
-        }
-        if (status != ASDIC_OK) {
-            return status;
+        bool kept = false, had_format = format;
+        TRY(header_line(ply, &line, &format, &kept));
+        if (format && !had_format && line.end < text_end) {
+            keep_format(ply);
+        } else if (kept) {
+            asdic_ply_keep(ply, from, to);
         }
     }
     return asdic_mesh_scan_fail(ply->scan, line.number, "the header has no format or no end");

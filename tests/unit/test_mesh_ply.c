@@ -119,6 +119,18 @@ static void ply_bodies(void **state) {
         "ply\nformat ascii 1.0\nmade by\nmade: by\nmade: by me\nelement vertex 3\n"
         "property float x\nproperty float y\nproperty float z\nelement face 1\n"
         "property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
+        /* lines of Windows, and a format behind what it is to precede */
+        "ply\r\ncomment x\r\nelement vertex 3\r\nproperty float x\r\nformat ascii 1.0\r\n"
+        "property float y\r\nproperty float z\r\nelement face 1\r\n"
+        "property list uchar int vertex_indices\r\nend_header\r\n"
+        "0 0 0\r\n1 0 0\r\n0 1 0\r\n3 0 1 2\r\n",
+        "ply\r\nformat ascii 1.0\r\nelement vertex 3\r\nproperty float x\r\n"
+        "property float y\r\nproperty float z\r\nelement face 1\r\n"
+        "property list uchar int vertex_indices\r\nend_header\r\n"
+        "0 0 0\r\n1 0 0\r\n0 1 0\r\n3 0 1 2",
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+        "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+        "\n0 0\n0 1 0 0\n\n0 1\n0 3 0 1\r\n2\n",
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         mesh_rig_write(&rig, "m.ply", cases[i].text);
@@ -257,11 +269,105 @@ static void ply_integers(void **state) {
     }
 }
 
+/* The bytes of VALUE, an integer or a float of BYTES bytes, least significant first, or in the other order. */
+static unsigned char *put(unsigned char *at, const void *value, size_t bytes, bool big) {
+    for (size_t i = 0; i < bytes; i++) {
+        *at++ = ((const unsigned char *)value)[big ? bytes - 1 - i : i];
+    }
+    return at;
+}
+
+/* A square and a triangle in FORMAT, with the properties whose bits are set in BESIDE: a scalar and a list
+ * before the facets' corners, and behind them. */
+static void write_beside(const char *format, unsigned beside) {
+    bool text = format[0] == 'a', big = strstr(format, "big") != NULL;
+    static const char *const extra[] = {"property uchar flags\n",
+                                        "property list uchar float texcoord\n"};
+    static const char *const corners[] = {"4 0 1 2 3", "3 1 4 2"};
+    static const float points[5][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {2, 1, 0}};
+    char file[2048];
+    size_t at = (size_t)snprintf(file, sizeof file,
+                                 "ply\nformat %s 1.0\ncomment made by hand\nelement camera 1\n"
+                                 "property int a\nelement vertex 5\nproperty float x\n"
+                                 "property float y\nproperty uchar red\nproperty float z\n"
+                                 "element face 2\n%s%sproperty list uchar int vertex_indices\n"
+                                 "%s%send_header\n",
+                                 format, beside & 1 ? extra[0] : "", beside & 2 ? extra[1] : "",
+                                 beside & 4 ? extra[0] : "", beside & 8 ? extra[1] : "");
+    if (text) {
+        at += (size_t)snprintf(file + at, sizeof file - at, "7\n");
+        for (int i = 0; i < 5; i++) {
+            at +=
+                (size_t)snprintf(file + at, sizeof file - at, "%g %g 200\n%g\n",
+                                 (double)points[i][0], (double)points[i][1], (double)points[i][2]);
+        }
+        for (int i = 0; i < 2; i++) {
+            at += (size_t)snprintf(file + at, sizeof file - at, "%s%s%s%s%s\n",
+                                   beside & 1 ? "9 " : "", beside & 2 ? "6 0 1 0 .25 1 1 " : "",
+                                   corners[i], beside & 4 ? " 9" : "",
+                                   beside & 8 ? " 6 0 1 0 .25 1 1" : "");
+        }
+        mesh_rig_write(&rig, "m.ply", file);
+        return;
+    }
+    static const unsigned char nine = 9, six = 6, red = 200;
+    static const int camera = 7;
+    unsigned char *to = put((unsigned char *)file + at, &camera, 4, big);
+    for (int i = 0; i < 5; i++) {
+        to = put(put(to, &points[i][0], 4, big), &points[i][1], 4, big);
+        to = put(put(to, &red, 1, big), &points[i][2], 4, big);
+    }
+    for (int i = 0; i < 2; i++) {
+        for (unsigned bit = 0; bit < 4; bit++) {
+            if (bit == 2) {
+                for (const char *digit = corners[i]; *digit; digit += 1 + (digit[1] == ' ')) {
+                    int value = *digit - '0';
+                    unsigned char count = (unsigned char)value;
+                    to = digit == corners[i] ? put(to, &count, 1, big) : put(to, &value, 4, big);
+                }
+            }
+            if ((beside >> bit & 1) == 0) {
+                continue;
+            }
+            to = bit % 2 == 0 ? put(to, &nine, 1, big) : put(to, &six, 1, big);
+            for (int k = 0; k < 6 && bit % 2 == 1; k++) {
+                static const float uv[] = {0, 1, 0, .25f, 1, 1};
+                to = put(to, &uv[k], 4, big);
+            }
+        }
+    }
+    mesh_rig_write_bytes(&rig, "m.ply", file, (size_t)(to - (unsigned char *)file));
+}
+
+/* Facets are the file's whatever stands beside their corners, as MeshLab's coordinates of a texture do. */
+static void ply_beside_corners(void **state) {
+    (void)state;
+    static const char *const formats[] = {"ascii", "binary_little_endian", "binary_big_endian"};
+    static const double area_m2 = 1.5; /* a square of 1 m and half of one */
+    for (size_t i = 0; i < sizeof formats / sizeof *formats; i++) {
+        for (unsigned beside = 0; beside < 16; beside++) {
+            write_beside(formats[i], beside);
+            asdic_mesh *mesh = mesh_rig_load(&rig);
+            assert_non_null(mesh);
+            assert_true(asdic_mesh_get_info(mesh).triangles == 3);
+            double sum_m2 = 0.0;
+            for (size_t k = 0; k < 3; k++) {
+                const uint32_t *c = &mesh->indices[3 * k];
+                asdic_vec3 a = asdic_mesh_vertex(mesh, c[0]), b = asdic_mesh_vertex(mesh, c[1]),
+                           d = asdic_mesh_vertex(mesh, c[2]);
+                sum_m2 += 0.5 * fabs((b.x - a.x) * (d.y - a.y) - (b.y - a.y) * (d.x - a.x));
+            }
+            assert_close(sum_m2, area_m2, 1e-12);
+            asdic_mesh_destroy(&mesh);
+        }
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(ply_counts),     cmocka_unit_test(ply_bodies),
         cmocka_unit_test(ply_properties), cmocka_unit_test(ply_binary),
-        cmocka_unit_test(ply_integers),
+        cmocka_unit_test(ply_integers),   cmocka_unit_test(ply_beside_corners),
     };
     mesh_rig_open(&rig);
     int failed = mesh_rig_reads_files(&rig) ? cmocka_run_group_tests(tests, NULL, NULL) : 77;
