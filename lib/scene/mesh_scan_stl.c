@@ -6,8 +6,10 @@
 #include "../base/context.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 #define HEADER_BYTES 84
 #define FACET_BYTES 50
@@ -116,25 +118,46 @@ static asdic_status scan_text(asdic_mesh_scan *scan) {
     return check_precision(scan, &p);
 }
 
+/* Whether the file is text that begins as an STL does. */
+static bool begins_solid(const asdic_mesh_scan *scan) {
+    return strncasecmp(scan->text + strspn(scan->text, " \t\r\n"), "solid", 5) == 0;
+}
+
+/* The words in small letters, as the scan and OpenMesh look for them. */
+static void lower(asdic_mesh_scan *scan) {
+    for (char *at = scan->text; *at; at++) {
+        *at = (char)(*at >= 'A' && *at <= 'Z' ? *at - 'A' + 'a' : *at);
+    }
+}
+
 asdic_status asdic_mesh_scan_stl(asdic_mesh_scan *scan) {
     uint32_t count = 0;
+    size_t needed = 0;
     if (scan->size >= HEADER_BYTES) {
         count = little_endian(scan->text + HEADER_BYTES - 4);
-        if (scan->size == HEADER_BYTES + (size_t)FACET_BYTES * count) {
+        needed = HEADER_BYTES + (size_t)FACET_BYTES * count;
+        if (scan->size == needed) {
             scan->format = ASDIC_MESH_STL_BINARY;
             return count > 0 ? scan_binary(scan, count)
                              : asdic_mesh_scan_fail(scan, 0, "a binary STL without facets");
         }
     }
-    if (!memchr(scan->text, '\0', scan->size) && strncmp(scan->text, "solid", 5) == 0) {
+    bool text = !memchr(scan->text, '\0', scan->size);
+    if (text && begins_solid(scan)) {
         scan->format = ASDIC_MESH_STL_ASCII;
+        lower(scan);
         return scan_text(scan);
     }
-    if (scan->size < HEADER_BYTES) {
-        return asdic_mesh_scan_fail(scan, 0, "%zu bytes are neither a binary nor a text STL",
-                                    scan->size);
+    if (text || scan->size < HEADER_BYTES) {
+        return asdic_mesh_scan_fail(
+            scan, 0, "%zu bytes are neither a binary STL nor a text one, which begins with 'solid'",
+            scan->size);
+    }
+    char wrong[64] = "cut short or damaged";
+    if (scan->size > needed) {
+        snprintf(wrong, sizeof wrong, "%zu bytes too many", scan->size - needed);
     }
     return asdic_mesh_scan_fail(
-        scan, 0, "a binary STL of %u facets has %zu bytes, this file has %zu: cut short or damaged",
-        count, HEADER_BYTES + (size_t)FACET_BYTES * count, scan->size);
+        scan, 0, "a binary STL of %u facets has %zu bytes, this file has %zu: %s; save it anew",
+        count, needed, scan->size, wrong);
 }

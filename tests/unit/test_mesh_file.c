@@ -35,6 +35,9 @@ static void stl_sizes(void **state) {
     mesh_rig_refuse(&rig, "m.stl: a binary STL of 2 facets has 184 bytes, this file has 150");
     write_stl(1, 184, 0.0f);
     mesh_rig_refuse(&rig, "m.stl: a binary STL of 1 facets has 134 bytes, this file has 184");
+    mesh_rig_refuse(&rig, "184: 50 bytes too many; save it anew");
+    write_stl(2, 150, 0.0f);
+    mesh_rig_refuse(&rig, "150: cut short or damaged; save it anew");
     write_stl(4000000000u, 184, 0.0f);
     mesh_rig_refuse(&rig, "m.stl: a binary STL of 4000000000 facets has 200000000084 bytes");
     write_stl(0, 84, 0.0f);
@@ -58,6 +61,18 @@ static void stl_text(void **state) {
     snprintf(text, sizeof text, "solid x\n%sendsolid x\n", body);
     mesh_rig_write(&rig, "m.STL", text);
     mesh_rig_expect(&rig, 1, 0);
+    /* blanks before the first word, and capitals as old writers have them */
+    snprintf(text, sizeof text, "\r\n \tsolid x\n%sendsolid x\n", body);
+    mesh_rig_write(&rig, "m.stl", text);
+    mesh_rig_expect(&rig, 1, 0);
+    mesh_rig_write(&rig, "m.stl",
+                   "SOLID X\n FACET NORMAL 0.0E0 0 1\n OUTER LOOP\n  VERTEX 0 0 0\n"
+                   "  VERTEX 1.0E0 0 0\n  VERTEX 0 1 0\n ENDLOOP\n ENDFACET\nENDSOLID X\n");
+    mesh_rig_expect(&rig, 1, 0);
+    snprintf(text, sizeof text, "mesh x\n%sendmesh x\n", body);
+    mesh_rig_write(&rig, "m.stl", text);
+    mesh_rig_refuse(&rig,
+                    "bytes are neither a binary STL nor a text one, which begins with 'solid'");
     snprintf(text, sizeof text, "solid x\n%sfacet normal 0 0 1\nouter loop\nvertex 0 0 0\n", body);
     mesh_rig_write(&rig, "m.stl", text);
     mesh_rig_refuse(&rig, ":11: ends after 1 facets and 1 corners");
