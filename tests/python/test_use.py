@@ -250,6 +250,17 @@ def test_own_mesh_is_the_box():
     same(asdic.Run(out).level_db, a.level_db, "the program runs what was saved")
 
 
+def test_names_of_their_own():
+    """Objects without a name get one that no other has, also when some were taken out."""
+    scene = asdic.Scene()
+    names = [scene.add_mesh(*box([1, 1, 1])) for _ in range(3)]
+    tap.equal(names, ["object0", "object1", "object2"], "in turn")
+    scene.objects.pop(0)
+    scene.add("object4", point=0)
+    tap.equal([scene.add_mesh(*box([1, 1, 1])) for _ in range(2)], ["object3", "object5"], "free ones")
+    tap.equal(len({one["name"] for one in scene.objects}), 5, "names")
+
+
 def test_saved_meshes_stay():
     """One that is added to an opened scene takes no other's place, and a run is resumed with its own meshes alone."""
     need_device()

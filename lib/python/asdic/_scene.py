@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import hashlib
+import itertools
 import json
 import os
 from typing import Any, Container, Iterable, Mapping, Sequence, Union
@@ -145,9 +146,11 @@ class Scene:
         """An object of TRIANGLES, rows of three indices into VERTICES, rows of x, y, z in metres.
 
         The arrays are copied. MATERIAL is a word ("steel", "concrete", "sand", ...) or the keys of a scene
-        file's material. Returns the object's name.
+        file's material. Returns the object's name: without NAME, the next free of object0, object1, ...
         """
-        name = f"object{len(self.objects)}" if name is None else name
+        if name is None:  # objects may have been taken out: how many there are may be another's number
+            taken = [one.get("name") for one in self.objects if isinstance(one, dict)]
+            name = next(free for k in itertools.count(len(self.objects)) if (free := f"object{k}") not in taken)
         if rotation_deg is not None:
             keys["rotation_deg"] = list(rotation_deg)
         self.add(name, position_m=position_m, material=material,
