@@ -7,6 +7,7 @@
 #include "base/try.h"
 #include "base/vec.h"
 #include "laws/scatterer.h"
+#include "scene/mesh_build.h"
 #include "scene/moving.h"
 #include "scene/primitive.h"
 #include "scene/scene.h"
@@ -168,6 +169,7 @@ static asdic_status place(mission_builder *b, asdic_yaml_node *node, const asdic
     if (mesh && b->problems->total == 0) {
         object.mesh = asdic_mesh_get_info(mesh);
         find_box(mesh, &object);
+        asdic_mesh_hint_at_units(&object.mesh, object.name[0] != '\0');
         if (!is_file) {
             object.mesh.hint[0] = '\0'; /* sizes in the scene file are in metres */
         }

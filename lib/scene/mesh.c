@@ -130,11 +130,12 @@ void asdic_mesh_destroy(asdic_mesh **mesh) {
     }
 }
 
-static void hint_at_units(asdic_mesh_info *info) {
+void asdic_mesh_hint_at_units(asdic_mesh_info *info, bool body) {
+    info->hint[0] = '\0';
     double across = fmax(info->max_m.x - info->min_m.x,
                          fmax(info->max_m.y - info->min_m.y, info->max_m.z - info->min_m.z));
-    if (across > 20000.0) {
-        snprintf(info->hint, sizeof info->hint, "%.3g m across: millimetres? (scale 0.001)",
+    if (across > (body ? 200.0 : 20000.0)) {
+        snprintf(info->hint, sizeof info->hint, "%.4g m across: millimetres? (scale 0.001)",
                  across);
     } else if (across < 0.5) {
         snprintf(info->hint, sizeof info->hint, "%.3g m across: not metres? (set a scale)", across);
@@ -157,6 +158,6 @@ asdic_mesh_info asdic_mesh_get_info(const asdic_mesh *mesh) {
     }
     info.min_m = lo;
     info.max_m = hi;
-    hint_at_units(&info);
+    asdic_mesh_hint_at_units(&info, mesh->open_edges == 0); /* a bottom is a sheet */
     return info;
 }

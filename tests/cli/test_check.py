@@ -150,11 +150,14 @@ def test_mesh_is_described():
 
 
 def test_meshes_in_other_units_are_hinted_at():
-    """The tetrahedron is two units high."""
-    for scale, hint in ((0.249, "0.498 m across: not metres? (set a scale)"), (0.25, None), (10000, None),
-                        (10001, "2e+04 m across: millimetres? (scale 0.001)")):
+    """The tetrahedron is two units high; without one of its facets it may be a bottom, which is wider than a body."""
+    facet = TETRAHEDRON.rstrip().rpartition("\n")[0] + "\n"
+    for body, scale, hint in ((TETRAHEDRON, 0.249, "0.498 m across: not metres? (set a scale)"), (TETRAHEDRON, 0.25, None),
+                              (TETRAHEDRON, 100, None), (TETRAHEDRON, 101, "202 m across: millimetres? (scale 0.001)"),
+                              (TETRAHEDRON, 3000, "6000 m across: millimetres? (scale 0.001)"), (facet, 10000, None),
+                              (facet, 10001, "2e+04 m across: millimetres? (scale 0.001)")):
         mesh = re.sub(r"^v (\S+) (\S+) (\S+)", lambda m: "v " + " ".join(repr(scale * float(x)) for x in m.groups()),
-                      TETRAHEDRON, flags=re.M)
+                      body, flags=re.M)
         with folder(m_obj=mesh) as at:
             out = asdic("check", "m.obj", cwd=at).check(0).out
             tap.equal([line for line in out.splitlines() if "hint" in line], [f"  hint      {hint}"] if hint else [],

@@ -82,6 +82,15 @@ static void shapes_are_where_they_are_put(void **state) {
     assert_contains(asdic_mission_get_object(m, 1)->mesh.hint, "0.3 m across");
     assert_int_equal(asdic_mission_scene(m)->has_surface, 1);
     asdic_mission_destroy(&m);
+    /* A bottom may be 300 m wide; a body may, but is more likely one of 0.3 m in millimetres. */
+    m = load(w, "bottom: {mesh: island, type: sand}\nobjects:\n"
+                "  - {name: fish, mesh: island, position_m: [9, 3, 9]}\n"
+                "  - {name: wall, box: {size_m: [1, 300, 1]}, position_m: [400, 0, 9]}\n" POSE);
+    assert_string_equal(asdic_mission_get_object(m, 0)->mesh.hint, "");
+    assert_string_equal(asdic_mission_get_object(m, 1)->mesh.hint,
+                        "300 m across: millimetres? (scale 0.001)");
+    assert_string_equal(asdic_mission_get_object(m, 2)->mesh.hint, "");
+    asdic_mission_destroy(&m);
     m = load(w, "surface: {enabled: false}\nbottom: {depth_m: 12}\n" POSE);
     assert_false(asdic_mission_scene(m)->has_surface);
     assert_close(asdic_scene_get_info(m->scene).bottom_plane_depth_m, 12, 0);
@@ -344,18 +353,21 @@ static void runs_of_many_borrow_their_scene(void **state) {
     }
 }
 
-/* A floor of 180 by 180 m at depth 0; a wedge whose corner is off its origin; a bean 0.3 m long. */
+/* A floor of 180 by 180 m at depth 0; a wedge whose corner is off its origin; a bean 0.3 m long;
+ * an island 300 m long. */
 static int begin_with_meshes(void **state) {
     static const double floor[6][3] = {{-90, -90, 0}, {90, -90, 0}, {90, 90, 0},
                                        {-90, -90, 0}, {90, 90, 0},  {-90, 90, 0}};
     static const double wedge[3][3] = {{0.1, 0.2, 0.3}, {0.4, 0.2, 0.3}, {0.1, 2.2, 0.6}};
     static const double bean[3][3] = {{0, 0, 0}, {0.3, 0, 0}, {0, 0.2, 0.1}};
+    static const double island[3][3] = {{0, 0, 9}, {300, 0, 9}, {0, 200, 9}};
     if (begin(state)) {
         return -1;
     }
     add_mesh(*state, "floor", floor, 2);
     add_mesh(*state, "wedge", wedge, 1);
     add_mesh(*state, "bean", bean, 1);
+    add_mesh(*state, "island", island, 1);
     return 0;
 }
 

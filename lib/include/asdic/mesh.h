@@ -18,7 +18,7 @@ typedef struct asdic_mesh_info {
     size_t dropped;    /* degenerate facets left out */
     size_t open_edges; /* edges with one facet only (after welding equal vertices) */
     asdic_vec3 min_m, max_m;
-    char hint[160]; /* "" or a remark: "0.16 m across: millimetres?" */
+    char hint[160]; /* "" or a remark: "300 m across: millimetres? (scale 0.001)" */
 } asdic_mesh_info;
 
 /* Vertices are multiplied by SCALE. With Z_UP the file's (x, y, z) = (east, north, up) becomes
