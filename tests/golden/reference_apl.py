@@ -133,8 +133,8 @@ if __name__ == '__main__':
                 print(f'apl-bottom-loss {tail} {loss!r} 1e-08 1e-08 # independent program')
     for gamma in (2.4, 2.8, 3, 3.25, 3.5, 3.9):
         rho, nu, delta = sediment(1.5)[:3]
-        strength = bottom_db((rho, nu, delta, .002, gamma, .0007), 100, 1528, 90)[0]
-        print(f'apl-bottom grain_size_phi=1.5 spectral_exponent={gamma:g} spectral_strength_cm4=0.0007 f_khz=100 '
+        strength = bottom_db((rho, nu, delta, .002, gamma, .00207), 100, 1528, 90)[0]
+        print(f'apl-bottom grain_size_phi=1.5 spectral_exponent={gamma:g} spectral_strength_cm4=0.00207 f_khz=100 '
               f'c_mps=1528 grazing_deg=90 = {strength!r} 1e-03 0 # independent program')
     for i, u in enumerate((.2, 1, 3, 5.9, 6.1, 10.9, 12, 20, 30)):
         for j, deg in enumerate((.3, 5, 20, 50, 75, 86, 90)):
