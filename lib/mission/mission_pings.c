@@ -88,10 +88,10 @@ static asdic_status fly(mission_builder *b) {
 
 /* The track in the file NAME, which NODE gives; *OUT stays NULL when something is wrong with it. */
 static asdic_status load_track(mission_builder *b, asdic_yaml_node *node, const char *name,
-                               asdic_track **out) {
+                               bool of_vehicle, asdic_track **out) {
     const char *path = asdic_mission_resolve(b, name);
     size_t before = b->problems->total;
-    asdic_status status = path ? asdic_track_load(b->ctx, path, b->problems, out)
+    asdic_status status = path ? asdic_track_load(b->ctx, path, of_vehicle, b->problems, out)
                                : asdic_fail_memory(b->ctx, "a path");
     return asdic_mission_file_read(b, node, before, status);
 }
@@ -127,7 +127,7 @@ static asdic_status build_motions(mission_builder *b) {
         size_t first = first_with_track(objects, i);
         snprintf(motion->name, sizeof motion->name, "%s", o->name);
         if (first == i) {
-            status = load_track(b, place, o->track, &motion->track);
+            status = load_track(b, place, o->track, false, &motion->track);
             tracks[i] = motion->track;
         } else if (tracks[first]) {
             motion->track = asdic_track_share(tracks[first]);
@@ -148,7 +148,7 @@ asdic_status asdic_mission_build_tracks(mission_builder *b) {
         return asdic_fail_memory(b->ctx, "the objects' tracks");
     }
     if (file->mission.track && asdic_scene_node_good(node)) {
-        TRY(load_track(b, node, file->mission.track, &m->track));
+        TRY(load_track(b, node, file->mission.track, true, &m->track));
     }
     return build_motions(b);
 }

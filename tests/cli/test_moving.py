@@ -74,6 +74,20 @@ output: {records: compact, images: []}
 """
 
 
+
+def test_what_floats_may_have_its_middle_above_the_surface():
+    """As an object that stays may; a vehicle's depth is never negative."""
+    program.need_device()
+    with Folder() as folder:
+        path = moving(folder, pings=1)
+        folder.write("ball.csv", BALL_TRACK.replace("20,0,6", "12,0,-0.3").replace("16,1,8", "12,1,-0.3"))
+        asdic("run", path, "-o", folder / "floats").check(code=0)
+        path = folder.write("stays.yaml", folder.read("moving.yaml").replace("track: ball.csv", "position_m: [12, 0, -0.3]"))
+        asdic("run", path, "-o", folder / "stays").check(code=0)
+        floats, stays = levels(folder, "floats", 0), levels(folder, "stays", 0)
+        heard = [(a, b) for a, b in zip(floats, stays) if b == b]
+        tap.equal(len(heard) > 0 and all(abs(a - b) < 0.01 for a, b in heard), True, f"{heard}")
+
 def test_a_point_that_comes_from_afar_is_planned_for():
     """It is out of range at the first ping: records that leave out what no ping can have keep its levels all the same."""
     program.need_device()

@@ -57,7 +57,7 @@ void fuzz_track(const uint8_t *data, size_t size) {
     }
     asdic_problems problems = {.name = "track.csv"};
     asdic_status status =
-        asdic_track_load(ctx, scratch_write("track.csv", data, size), &problems, &track);
+        asdic_track_load(ctx, scratch_write("track.csv", data, size), true, &problems, &track);
     if (status == ASDIC_OK) {
         status = asdic_problems_report(&problems, ctx);
     }

@@ -33,7 +33,7 @@ static asdic_track *load_bytes(const char *csv, size_t size, const char *expecte
     assert_int_equal(asdic_context_create(&ctx), ASDIC_OK);
     asdic_context_set_log(ctx, ASDIC_LOG_ERROR, collect, &log);
     asdic_problems problems = {.name = path};
-    assert_int_equal(asdic_track_load(ctx, path, &problems, &track), ASDIC_OK);
+    assert_int_equal(asdic_track_load(ctx, path, true, &problems, &track), ASDIC_OK);
     asdic_status status = asdic_problems_report(&problems, ctx);
     asdic_problems_finish(&problems);
     unlink(path);
@@ -240,7 +240,7 @@ static void missing_files_are_named(void **state) {
     asdic_track *track = NULL;
     asdic_problems problems = {.name = "scene"};
     assert_int_equal(asdic_context_create(&ctx), ASDIC_OK);
-    assert_int_equal(asdic_track_load(ctx, "/nonexistent/t.csv", &problems, &track),
+    assert_int_equal(asdic_track_load(ctx, "/nonexistent/t.csv", true, &problems, &track),
                      ASDIC_ERROR_INPUT);
     assert_string_equal(asdic_context_error(ctx),
                         "/nonexistent/t.csv: cannot open: No such file or directory");

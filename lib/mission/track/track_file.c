@@ -10,6 +10,7 @@
 #include "out/digits.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 /* --- reading ---------------------------------------------------------------------------------- */
 
@@ -22,6 +23,7 @@ static const asdic_column COLUMNS[] = {
     {"yaw_deg", -1e6, 1e6, NULL},
 };
 #define COLUMN_COUNT (sizeof COLUMNS / sizeof *COLUMNS)
+#define Z_COLUMN 3
 #define HEADER "time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg"
 
 static asdic_track *track_of(const double *rows, size_t count) {
@@ -37,9 +39,14 @@ static asdic_track *track_of(const double *rows, size_t count) {
     return track;
 }
 
-asdic_status asdic_track_load(asdic_context *ctx, const char *path, asdic_problems *problems,
-                              asdic_track **out) {
-    const asdic_columns columns = {COLUMNS, COLUMN_COUNT, "later than",
+asdic_status asdic_track_load(asdic_context *ctx, const char *path, bool of_vehicle,
+                              asdic_problems *problems, asdic_track **out) {
+    asdic_column items[COLUMN_COUNT];
+    memcpy(items, COLUMNS, sizeof items);
+    if (!of_vehicle) { /* the middle of what floats may lie above the surface */
+        items[Z_COLUMN] = (asdic_column){"z_m", -1e7, 1e7, NULL};
+    }
+    const asdic_columns columns = {items, COLUMN_COUNT, "later than",
                                    ", in metres north, east and down"};
     double *rows = NULL;
     size_t *lines = NULL, count = 0;
