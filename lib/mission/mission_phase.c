@@ -7,6 +7,7 @@
 #include "out/beam_width.h"
 #include "scene/scene.h"
 #include "sim/environment.h"
+#include "sim/array.h"
 #include "sim/ring.h"
 
 #include <math.h>
@@ -66,13 +67,9 @@ static const char *fringed(const asdic_mission *mission, const asdic_law_water *
 
 /* The sine by which the outermost beam is steered from the array's front. */
 static double outermost_sine(const asdic_sonar *sonar) {
-    asdic_mat3 element = asdic_face_mount(&sonar->array.element);
-    asdic_vec3 line = {element.m[0][1], element.m[1][1], element.m[2][1]};
-    asdic_pose level = {0};
     double farthest = 0.0;
     for (size_t i = 0; i < sonar->receiver_count; i++) {
-        double sine = asdic_vec3_dot(asdic_beam_axis(&sonar->receivers[i], &level), line);
-        farthest = fmax(farthest, fabs(sine));
+        farthest = fmax(farthest, fabs(asdic_array_sine(&sonar->array, &sonar->receivers[i])));
     }
     return farthest;
 }

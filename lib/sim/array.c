@@ -7,8 +7,10 @@
 /* Of 87 degrees: a beam along the line is no aperture's. */
 #define LEAST_COSINE 0.05
 
-/* The sine that BEAM is steered by from the array's front. */
-static double steered_sine(const asdic_array *array, const asdic_beam *beam) {
+/* dB: a beam that is steered to where an element hears nothing. */
+#define LEAST_SENSITIVITY_DB (-300.0)
+
+double asdic_array_sine(const asdic_array *array, const asdic_beam *beam) {
     asdic_mat3 element = asdic_face_mount(&array->element), aimed = asdic_face_mount(beam);
     double sine = 0.0;
     for (int k = 0; k < 3; k++) {
@@ -18,7 +20,7 @@ static double steered_sine(const asdic_array *array, const asdic_beam *beam) {
 }
 
 double asdic_array_cosine(const asdic_array *array, const asdic_beam *beam) {
-    double sine = steered_sine(array, beam);
+    double sine = asdic_array_sine(array, beam);
     return sqrt(fmax(1.0 - sine * sine, LEAST_COSINE * LEAST_COSINE));
 }
 
@@ -35,9 +37,9 @@ void asdic_array_form(const asdic_array *array, double wavelength_m, asdic_beam 
     }
     for (size_t b = 0; b < count; b++) {
         double across_wl =
-            array->element.length_h_m / wavelength_m * steered_sine(array, &beams[b]);
+            array->element.length_h_m / wavelength_m * asdic_array_sine(array, &beams[b]);
         beams[b].length_h_m = array->spacing_m / squares * asdic_array_cosine(array, &beams[b]);
         beams[b].length_v_m = array->element.length_v_m;
-        beams[b].sensitivity_db = 10.0 * log10(sinc2(across_wl));
+        beams[b].sensitivity_db = fmax(10.0 * log10(sinc2(across_wl)), LEAST_SENSITIVITY_DB);
     }
 }

@@ -6,8 +6,10 @@
 
 #include <asdic/sonar.h>
 
-/* Of the angle that BEAM is steered by from the array's front; never so small that nothing would be left of the
- * array's length. */
+/* Of the angle that BEAM is steered by from the array's front, to starboard. */
+double asdic_array_sine(const asdic_array *array, const asdic_beam *beam);
+
+/* The same angle's; never so small that nothing would be left of the array's length. */
 double asdic_array_cosine(const asdic_array *array, const asdic_beam *beam);
 
 /* An element's length along the line, for noise from all around. One that is shorter than half a wavelength takes in

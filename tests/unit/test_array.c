@@ -99,6 +99,19 @@ static void tilted_arrays_are_steered_in_their_plane(void **state) {
     }
 }
 
+/* Elements of two wavelengths, as far apart, hear nothing at 30 degrees: a beam is formed there all the same. */
+static void beams_at_an_elements_null_are_silent(void **state) {
+    (void)state;
+    asdic_array array = array_of(0);
+    array.spacing_m = array.element.length_h_m = 2.0 * WAVELENGTH_M;
+    asdic_beam beam = beam_at(&array, PI / 6.0);
+    asdic_sonar sonar = asdic_sonar_default();
+    sonar.receivers = &beam;
+    sonar.receiver_count = 1;
+    assert_true(beam.sensitivity_db < -250.0);
+    assert_int_equal(asdic_sonar_check(NULL, &sonar), ASDIC_OK);
+}
+
 /* A level of 50 dB re 1 uPa^2/Hz at SPEED_MPS, in bins of one cell. */
 static asdic_sonar sonar_of(const asdic_array *array) {
     asdic_sonar sonar = asdic_sonar_default();
@@ -157,6 +170,7 @@ static void thin_elements_take_in_what_an_aperture_does(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(beams_are_as_high_and_wide_as_sums_over_elements),
+        cmocka_unit_test(beams_at_an_elements_null_are_silent),
         cmocka_unit_test(tilted_arrays_are_steered_in_their_plane),
         cmocka_unit_test(beams_take_in_what_their_elements_do),
         cmocka_unit_test(thin_elements_take_in_what_an_aperture_does),
