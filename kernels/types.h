@@ -65,8 +65,7 @@ typedef struct dev_triangle {
     float flat_m2;  /* flat area that reflects in phase; of a curved surface the square of its
                         straight length */
     float radius_m; /* larger radius of curvature; 0: flat or straight one way */
-    dev_uint
-        rims; /* bit k: the mesh bends back at the edge from corner k on; bit 3 + k: it bends forward */
+    dev_uint rims;  /* bit k: the mesh bends back at the edge from corner k on; 3 + k: forward */
     dev_uint pad;
 } dev_triangle; /* 80 bytes */
 

@@ -123,7 +123,7 @@ static bool begins_solid(const asdic_mesh_scan *scan) {
     return strncasecmp(scan->text + strspn(scan->text, " \t\r\n"), "solid", 5) == 0;
 }
 
-/* The words in small letters, as the scan and OpenMesh look for them. */
+/* The words in lower case, as the scan and OpenMesh look for them. */
 static void lower(asdic_mesh_scan *scan) {
     for (char *at = scan->text; *at; at++) {
         *at = (char)(*at >= 'A' && *at <= 'Z' ? *at - 'A' + 'a' : *at);

@@ -195,20 +195,17 @@ static void grow_patch(asdic_surface *s, uint32_t seed, uint32_t number, double 
 }
 
 asdic_status asdic_surface_init(asdic_context *ctx, const double *corners_m, dev_triangle *facets,
-                                uint32_t count, double size_m, asdic_surface *out) {
+                                uint32_t count, asdic_surface *out) {
     size_t corners = 3 * (size_t)count;
     *out = (asdic_surface){.corners_m = corners_m, .facets = facets, .count = count};
     out->vertex = malloc(corners * sizeof *out->vertex);
     out->first = calloc(corners + 2, sizeof *out->first);
     out->touching = malloc(corners * sizeof *out->touching);
     out->side = malloc(count * sizeof *out->side);
-    out->patch = malloc(count * sizeof *out->patch);
-    out->patches = malloc(count * sizeof *out->patches);
-    uint32_t *queue = malloc(count * sizeof *queue), *seen = malloc(corners * sizeof *seen);
+    uint32_t *queue = malloc(count * sizeof *queue);
     asdic_status status = ASDIC_OK;
-    if (!out->vertex || !out->first || !out->touching || !out->side || !out->patch ||
-        !out->patches || !queue || !seen) {
-        status = asdic_fail_memory(ctx, "the flat patches of an object");
+    if (!out->vertex || !out->first || !out->touching || !out->side || !queue) {
+        status = asdic_fail_memory(ctx, "the surface of an object");
         goto fail;
     }
     status = asdic_weld_vertices(ctx, corners_m, corners, out->vertex);
@@ -217,18 +214,30 @@ asdic_status asdic_surface_init(asdic_context *ctx, const double *corners_m, dev
     }
     sort_corners(out);
     find_sides(out, queue);
-    memset(out->patch, 0xff, count * sizeof *out->patch);
-    memset(seen, 0xff, corners * sizeof *seen);
-    uint32_t number = 0;
-    for (uint32_t facet = 0; facet < count; facet++) {
-        if (out->patch[facet] == NO_PATCH) {
-            grow_patch(out, facet, number++, size_m, queue, seen);
-        }
-    }
 fail:
     free(queue);
-    free(seen);
     return status;
+}
+
+asdic_status asdic_surface_find_patches(asdic_context *ctx, double size_m, asdic_surface *s) {
+    size_t corners = 3 * (size_t)s->count;
+    s->patch = malloc(s->count * sizeof *s->patch);
+    s->patches = malloc(s->count * sizeof *s->patches);
+    uint32_t *queue = malloc(s->count * sizeof *queue), *seen = malloc(corners * sizeof *seen);
+    uint32_t number = 0;
+    bool has_room = s->patch && s->patches && queue && seen;
+    if (has_room) {
+        memset(s->patch, 0xff, s->count * sizeof *s->patch);
+        memset(seen, 0xff, corners * sizeof *seen);
+    }
+    for (uint32_t facet = 0; has_room && facet < s->count; facet++) {
+        if (s->patch[facet] == NO_PATCH) {
+            grow_patch(s, facet, number++, size_m, queue, seen);
+        }
+    }
+    free(queue);
+    free(seen);
+    return has_room ? ASDIC_OK : asdic_fail_memory(ctx, "the flat patches of an object");
 }
 
 void asdic_surface_finish(asdic_surface *surface) {

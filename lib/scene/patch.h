@@ -27,9 +27,12 @@ typedef struct asdic_surface {
     asdic_patch *patches;
 } asdic_surface;
 
-/* COUNT facets of a part whose extent is SIZE_M. Finish it even when this fails. */
+/* COUNT facets of a part: which touch, their sides and rims. Finish it even when this fails. */
 asdic_status asdic_surface_init(asdic_context *ctx, const double *corners_m, dev_triangle *facets,
-                                uint32_t count, double size_m, asdic_surface *out);
+                                uint32_t count, asdic_surface *out);
+
+/* The patches, of a part whose extent is SIZE_M. */
+asdic_status asdic_surface_find_patches(asdic_context *ctx, double size_m, asdic_surface *surface);
 void asdic_surface_finish(asdic_surface *surface);
 
 static inline asdic_vec3 asdic_surface_corner(const asdic_surface *s, size_t corner) {

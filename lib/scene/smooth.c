@@ -179,9 +179,8 @@ static void turn_back(const asdic_movable *m, const asdic_vec3 *world) {
     }
 }
 
-/* The facets of one part, triangles BEGIN to END. */
-static asdic_status smooth_part(asdic_scene *scene, size_t begin, size_t end) {
-    asdic_surface surface;
+/* Smooths the facets of a part, whose SURFACE begins with triangle BEGIN. */
+static asdic_status smooth_part(asdic_scene *scene, size_t begin, asdic_surface *surface) {
     asdic_movable *moving;
     size_t number = scene->triangles[begin].part;
     TRY(reserve_normals(scene, number, &moving));
@@ -190,12 +189,10 @@ static asdic_status smooth_part(asdic_scene *scene, size_t begin, size_t end) {
         return asdic_fail_memory(scene->ctx, "a moving object's normals");
     }
     asdic_status status =
-        asdic_surface_init(scene->ctx, scene->corners_m + 9 * begin, scene->triangles + begin,
-                           (uint32_t)(end - begin), 2.0 * scene->parts[number].radius_m, &surface);
-    for (uint32_t facet = 0; !status && facet < surface.count; facet++) {
-        smooth_facet(&surface, facet, turned);
+        asdic_surface_find_patches(scene->ctx, 2.0 * scene->parts[number].radius_m, surface);
+    for (uint32_t facet = 0; !status && facet < surface->count; facet++) {
+        smooth_facet(surface, facet, turned);
     }
-    asdic_surface_finish(&surface);
     if (moving && !status) {
         turn_back(moving, turned);
     }
@@ -203,12 +200,15 @@ static asdic_status smooth_part(asdic_scene *scene, size_t begin, size_t end) {
     return status;
 }
 
-/* Of facets that stand for no curved surface. */
-static asdic_status mark_rims(asdic_scene *scene, size_t begin, size_t end) {
+/* Rims of an object, triangles BEGIN to END; what is CURVED is smoothed as well. */
+static asdic_status finish_part(asdic_scene *scene, size_t begin, size_t end, bool curved) {
     asdic_surface surface;
-    asdic_status status = asdic_surface_init(
-        scene->ctx, scene->corners_m + 9 * begin, scene->triangles + begin, (uint32_t)(end - begin),
-        2.0 * scene->parts[scene->triangles[begin].part].radius_m, &surface);
+    asdic_status status =
+        asdic_surface_init(scene->ctx, scene->corners_m + 9 * begin, scene->triangles + begin,
+                           (uint32_t)(end - begin), &surface);
+    if (!status && curved) {
+        status = smooth_part(scene, begin, &surface);
+    }
     asdic_surface_finish(&surface);
     return status;
 }
@@ -221,10 +221,9 @@ asdic_status asdic_scene_smooth(asdic_scene *scene) {
             scene->triangles[end++].corner_normals[0] = DEV_FLAT;
         }
         const asdic_part *part = &scene->parts[number];
-        if (scene->materials[part->material].law->formula == DEV_LAW_FACET) {
-            TRY(smooth_part(scene, begin, end));
-        } else if (part->kind == DEV_KIND_OBJECT) {
-            TRY(mark_rims(scene, begin, end));
+        bool curved = scene->materials[part->material].law->formula == DEV_LAW_FACET;
+        if (curved || part->kind == DEV_KIND_OBJECT) {
+            TRY(finish_part(scene, begin, end, curved));
         }
     }
     return ASDIC_OK;

@@ -116,9 +116,8 @@ typedef struct conversion {
     atomic_int status;              /* of beams that failed */
 } conversion;
 
-/* What a beam makes of a quantum of component C. */
-static double unit_of(const conversion *k, size_t c, size_t beam) {
-    return k->unit[c] * asdic_beam_axis_lin(&k->sim->setup.sonar.receivers[beam]);
+static double gain_of(const conversion *c, size_t beam) {
+    return asdic_beam_axis_lin(&c->sim->setup.sonar.receivers[beam]);
 }
 
 static double noise_of(const conversion *c, size_t beam) {
@@ -164,7 +163,7 @@ static void convert_beam(const conversion *k, unsigned worker, size_t beam) {
     const int64_t *quanta = (const int64_t *)shot->sums;
     const float *spread = (const float *)(quanta + sim->setup.components * sim->setup.cells + 1);
     size_t first = beam * sim->setup.bins;
-    double noise_lin = noise_of(k, beam);
+    double noise_lin = noise_of(k, beam), gain = gain_of(k, beam);
     const asdic_stated_error *stated = asdic_drift_row(sim, k->drift.others, worker, beam, false);
     for (size_t n = 0; n < sim->setup.bins; n += BLOCK) {
         size_t count = sim->setup.bins - n < BLOCK ? sim->setup.bins - n : BLOCK, at = first + n;
@@ -174,7 +173,7 @@ static void convert_beam(const conversion *k, unsigned worker, size_t beam) {
             double *energy = k->out->intensity_lin[component_of[c]] + at;
             const double *loss = c == DEV_DEPOSIT_VOLUME ? shot->volume : shot->loss;
             if (shot->ping->sums.present & 1u << c) {
-                convert_whole(quanta + c * sim->setup.cells + at, unit_of(k, c, beam), loss + n,
+                convert_whole(quanta + c * sim->setup.cells + at, k->unit[c] * gain, loss + n,
                               count, energy, echo);
             } else {
                 asdic_clear(energy, count * sizeof *energy);
@@ -218,7 +217,7 @@ static void convert_fan_water(const conversion *c, size_t beam) {
     for (size_t k = 0; k < WATER_BEAMS; k++) {
         size_t own = beam + (k < left ? k : 0); /* behind the last the first again */
         quanta[k] = asdic_beam_fan_row(&c->sim->fan, c->shot->sums, own, DEV_DEPOSIT_VOLUME);
-        unit[k] = unit_of(c, DEV_DEPOSIT_VOLUME, own);
+        unit[k] = c->unit[DEV_DEPOSIT_VOLUME] * gain_of(c, own);
         energy[k] = c->out->intensity_lin[ASDIC_VOLUME] + own * bins;
     }
     for (size_t n = bins; n-- > 0;) {
@@ -263,7 +262,7 @@ static void convert_fan_beam(const conversion *k, unsigned worker, size_t beam) 
     const asdic_simulator *sim = k->sim;
     const asdic_ping_shot *shot = k->shot;
     size_t first = beam * sim->setup.bins, bins = sim->setup.bins;
-    double noise_lin = noise_of(k, beam);
+    double noise_lin = noise_of(k, beam), gain = gain_of(k, beam);
     const asdic_stated_error *others = asdic_drift_row(sim, k->drift.others, worker, beam, false);
     bool is_moved = k->drift.objects.bins != k->drift.others.bins ||
                     k->drift.objects.beams != k->drift.others.beams;
@@ -282,7 +281,7 @@ static void convert_fan_beam(const conversion *k, unsigned worker, size_t beam) 
             if (c == DEV_DEPOSIT_VOLUME) {
                 add(energy, count, echo);
             } else if (shot->ping->sums.present & 1u << c && holds_any(quanta, count)) {
-                convert_fan_echo(quanta, unit_of(k, c, beam), shot->loss + n, count, energy, echo);
+                convert_fan_echo(quanta, k->unit[c] * gain, shot->loss + n, count, energy, echo);
             } else {
                 asdic_clear(energy, count * sizeof *energy);
             }

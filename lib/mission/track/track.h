@@ -22,8 +22,9 @@ typedef struct asdic_track {
 } asdic_track;
 
 /* Reads a CSV file with a header of time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg in any order;
- * other columns are passed over. Times must increase, a vehicle's depths be those of a sea. All that is wrong in it goes to PROBLEMS, which keep
- * PATH, and *OUT stays NULL. ASDIC_ERROR_INPUT: it cannot be read. */
+ * other columns are passed over. Times must increase, a vehicle's depths be those of a sea. All that
+ * is wrong in it goes to PROBLEMS, which keep PATH, and *OUT stays NULL. ASDIC_ERROR_INPUT: it cannot
+ * be read. */
 asdic_status asdic_track_load(asdic_context *ctx, const char *path, bool of_vehicle,
                               asdic_problems *problems, asdic_track **out);
 /* Another reference to TRACK, which is freed when the last one is destroyed. Not thread-safe. */

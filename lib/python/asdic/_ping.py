@@ -151,13 +151,13 @@ class Ping:
         return place
 
     @functools.cached_property
-    def _made(self) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
-        return {}, {}  # intensities, levels
+    def _made(self) -> dict[str, np.ndarray]:
+        return {}
 
     @property
     def intensity(self) -> Levels:
         """Energy of each bin, linear re 1 uPa^2, of "total" and each mechanism."""
-        return Levels(tuple(COMPONENTS), lambda name: self._energies[COMPONENTS[name]], self._made[0])
+        return Levels(tuple(COMPONENTS), lambda name: self._energies[COMPONENTS[name]], {})
 
     def _levels(self, name: str) -> np.ndarray:
         levels = np.empty(self._shape, np.float32)
@@ -174,7 +174,7 @@ class Ping:
     @property
     def parts(self) -> Levels:
         """Levels of the mechanisms, dB re 1 uPa: parts["bottom"]."""
-        return Levels(PARTS, self._levels, self._made[1])
+        return Levels(PARTS, self._levels, self._made)
 
     @property
     def pose(self) -> Fields:
