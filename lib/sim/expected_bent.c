@@ -222,14 +222,20 @@ static ray_outcome follow(bent_job *job, double elevation_rad, bool with_water) 
 /* ---- Stretches of elevation ---- */
 
 /* Elevation is a cosine of the position s in [0, 1], so that what goes as the root of the distance from
- * an end, as the grazing angle does, is smooth. */
+ * an end, as the grazing angle does, is smooth. SHARE is how much of the positions between the critical
+ * angles around it a stretch takes: water and boundaries are as even in it as in a whole one of so few. */
 typedef struct stretch {
-    double begin_rad, end_rad;
+    double begin_rad, end_rad, share;
 } stretch;
 
 static double elevation_at(const stretch *w, double s) {
     double half = sin(0.5 * ASDIC_PI * s);
     return w->begin_rad + (w->end_rad - w->begin_rad) * half * half;
+}
+
+static double position_of(const stretch *w, double elevation_rad) {
+    double along = (elevation_rad - w->begin_rad) / (w->end_rad - w->begin_rad);
+    return 2.0 / ASDIC_PI * asin(sqrt(fmin(fmax(along, 0.0), 1.0)));
 }
 
 static double slope_at(const stretch *w, double s) {
@@ -303,7 +309,8 @@ static void add_panel(bent_job *job, const stretch *w, double s0, double s1, pan
     double middle = 0.5 * (s0 + s1);
     const fineness *fine = job->fine;
     double widest = kind == PANEL_FREE ? fine->widest_free : fine->widest;
-    bool halves = phase > CYCLES16 || s1 - s0 > widest;
+    double width = (s1 - s0) * w->share;
+    bool halves = phase > CYCLES16 || width > widest;
     if (!halves && kind == PANEL_WIDE && depth > 0) {
         double both = ends(job, w, s0, middle) + ends(job, w, middle, s1);
         halves = fabs(ends(job, w, s0, s1) - both) > fine->kink * both;
@@ -313,7 +320,7 @@ static void add_panel(bent_job *job, const stretch *w, double s0, double s1, pan
         add_panel(job, w, middle, s1, kind, depth - 1);
     } else {
         bool few = kind == PANEL_NARROW ? phase <= CYCLES4
-                                        : kind == PANEL_WIDE && s1 - s0 <= fine->few_widest &&
+                                        : kind == PANEL_WIDE && width <= fine->few_widest &&
                                               phase <= fine->few_cycles;
         add_nodes(job, w, s0, s1, few ? 4 : 16);
     }
@@ -398,12 +405,13 @@ static asdic_status go_on(asdic_context *ctx) {
 }
 
 static asdic_status find_cuts(asdic_context *ctx, bent_job *job, const stretch *w, cut_list *cuts) {
+    int steps = (int)ceil(SEARCH * w->share);
     double before_s = 1e-5;
     ray_outcome before = follow(job, elevation_at(w, before_s), false);
     cuts->count = 0;
     TRY(append(ctx, cuts, 0.0));
-    for (int i = 1; i <= SEARCH; i++) {
-        double s = i == SEARCH ? 1.0 - 1e-5 : (double)i / SEARCH;
+    for (int i = 1; i <= steps; i++) {
+        double s = i == steps ? 1.0 - 1e-5 : (double)i / steps;
         TRY(go_on(ctx));
         ray_outcome here = follow(job, elevation_at(w, s), false);
         bool folds = before.end != ENDS_NOWHERE && here.end == before.end &&
@@ -427,7 +435,8 @@ static asdic_status find_cuts(asdic_context *ctx, bent_job *job, const stretch *
 static panel_kind kind_of(bent_job *job, const stretch *w, double s0, double s1) {
     ray_outcome middle = follow(job, elevation_at(w, 0.5 * (s0 + s1)), false);
     if (middle.end != ENDS_NOWHERE) {
-        bool narrow = s1 - s0 < 0.5 / SEARCH && middle.range_m > 8.0 * job->sonar->bin_length_m;
+        bool narrow =
+            (s1 - s0) * w->share < 0.5 / SEARCH && middle.range_m > 8.0 * job->sonar->bin_length_m;
         return narrow ? PANEL_NARROW : PANEL_WIDE;
     }
     for (int i = 0; i <= 16; i++) {
@@ -454,60 +463,94 @@ static asdic_status add_stretch(asdic_context *ctx, bent_job *job, const stretch
 
 /* ---- All rays ---- */
 
-/* Elevations at which rays change their course: horizontal; those that graze a plane; kinks of rings. */
-#define MOST_EDGES (2 * (ASDIC_PROFILE_POINTS + 4) + 64)
+/* Elevations at which rays change their course, horizontal or grazing a plane, ascending. */
+#define MOST_EDGES (4 * (ASDIC_PROFILE_POINTS + 1) + 3)
 
-static void add_edge(double *edges, size_t *count, double edge) {
+/* Kinks nearer each other count as one: they are many only where beams are, narrow ones, whose sums are
+ * small there. */
+#define KINK_GAP_RAD 0.005
+#define MOST_KINKS 640 /* pi / KINK_GAP_RAD */
+
+static void add_edge(double *edges, size_t *count, double edge, double gap) {
     for (size_t i = 0; i < *count; i++) {
-        if (fabs(edges[i] - edge) < 1e-9) {
+        if (fabs(edges[i] - edge) < gap) {
             return;
         }
     }
-    if (*count < MOST_EDGES) {
-        edges[(*count)++] = edge;
-    }
+    edges[(*count)++] = edge;
 }
 
+/* How deep or high rays come before the end of the last bin. */
+static double find_reach(const bent_job *job) {
+    double fastest = job->speed_mps;
+    for (size_t i = 0; i < job->layers.count; i++) {
+        const asdic_layer *layer = &job->layers.layer[i];
+        for (int k = 0; k < 2; k++) {
+            double plane = k ? layer->bottom_m : layer->top_m;
+            double speed = isfinite(plane) ? asdic_layer_speed_mps(layer, plane) : 0.0;
+            fastest = fmax(fastest, speed);
+        }
+    }
+    return job->range_m * fastest / job->speed_mps;
+}
+
+/* Of a plane that is within REACH_M. */
 static void add_grazing(const bent_job *job, double depth_m, const asdic_layer *layer,
-                        double *edges, size_t *count) {
-    double speed = isfinite(depth_m) ? asdic_layer_speed_mps(layer, depth_m) : 0.0;
+                        double reach_m, double *edges, size_t *count) {
+    bool is_near = fabs(depth_m - job->depth_m) <= reach_m;
+    double speed = is_near ? asdic_layer_speed_mps(layer, depth_m) : 0.0;
     if (speed > job->speed_mps) {
         double ratio = job->speed_mps / speed;
         double edge = atan2(sqrt((1.0 - ratio) * (1.0 + ratio)), ratio);
-        add_edge(edges, count, edge);
-        add_edge(edges, count, -edge);
+        add_edge(edges, count, edge, 1e-9);
+        add_edge(edges, count, -edge, 1e-9);
     }
 }
 
-static size_t find_edges(const bent_job *job, const asdic_ring *rings, double *edges) {
-    size_t count = 0;
-    add_edge(edges, &count, -0.5 * ASDIC_PI);
-    add_edge(edges, &count, 0.5 * ASDIC_PI);
-    add_edge(edges, &count, 0.0);
+static size_t find_edges(const bent_job *job, double *edges) {
+    size_t count = 3;
+    edges[0] = -0.5 * ASDIC_PI;
+    edges[1] = 0.0;
+    edges[2] = 0.5 * ASDIC_PI;
+    double reach_m = find_reach(job);
     for (size_t i = 0; i < job->layers.count; i++) {
         const asdic_layer *layer = &job->layers.layer[i];
-        add_grazing(job, layer->top_m, layer, edges, &count);
-        add_grazing(job, layer->bottom_m, layer, edges, &count);
-    }
-    for (size_t b = 0; b < job->ping->beams; b++) {
-        double kinks[4];
-        size_t found = asdic_ring_kinks(&rings[b], kinks);
-        for (size_t i = 0; i < found; i++) {
-            add_edge(edges, &count, kinks[i]);
-        }
+        add_grazing(job, layer->top_m, layer, reach_m, edges, &count);
+        add_grazing(job, layer->bottom_m, layer, reach_m, edges, &count);
     }
     qsort(edges, count, sizeof *edges, compare);
     return count;
 }
 
+static size_t find_kinks(const bent_job *job, const asdic_ring *rings, double *kinks) {
+    size_t count = 0;
+    for (size_t b = 0; b < job->ping->beams; b++) {
+        double rad[4];
+        size_t found = asdic_ring_kinks(&rings[b], rad);
+        for (size_t i = 0; i < found; i++) {
+            add_edge(kinks, &count, rad[i], KINK_GAP_RAD);
+        }
+    }
+    qsort(kinks, count, sizeof *kinks, compare);
+    return count;
+}
+
 static asdic_status integrate(asdic_context *ctx, bent_job *job, const asdic_ring *rings) {
-    double edges[MOST_EDGES];
-    size_t count = find_edges(job, rings, edges);
+    double edges[MOST_EDGES], kinks[MOST_KINKS];
+    size_t count = find_edges(job, edges), kink_count = find_kinks(job, rings, kinks), k = 0;
     cut_list cuts = {0};
     asdic_status status = ASDIC_OK;
     for (size_t i = 0; i + 1 < count && status == ASDIC_OK; i++) {
-        stretch w = {edges[i], edges[i + 1]};
-        status = add_stretch(ctx, job, &w, &cuts);
+        stretch whole = {edges[i], edges[i + 1], 1.0}, w = whole;
+        while (w.begin_rad < whole.end_rad && status == ASDIC_OK) {
+            for (; k < kink_count && kinks[k] < w.begin_rad + 1e-9; k++) {
+            }
+            bool ends = k == kink_count || kinks[k] > whole.end_rad - 1e-9;
+            w.end_rad = ends ? whole.end_rad : kinks[k];
+            w.share = position_of(&whole, w.end_rad) - position_of(&whole, w.begin_rad);
+            status = add_stretch(ctx, job, &w, &cuts);
+            w.begin_rad = w.end_rad;
+        }
     }
     free(cuts.s);
     return status;
