@@ -464,8 +464,9 @@ const cli_command cli_trial_command = {
         "--vary all designs fly the same runs, and the difference from the first has an interval "
         "of its own (Tango) and McNemar's test.\n\n"
         "A rule's answer is a JSON object: {} holds on, {\"z_m\": 5} and {\"yaw_deg\": 40} fly "
-        "that depth and heading until the next ping. A program that crashes, answers nonsense or "
-        "takes too long breaks the run: it is counted, and the program is started anew.",
+        "that depth and heading until the next ping. A program that crashes, answers nonsense "
+        "(also names of which none is known, {\"turn\": true}) or takes too long breaks the run: "
+        "it is counted, and the program is started anew.",
     .examples = "asdic trial scene.yaml --runs 10000 --vary trial.rule.reach_m=10,20 -o out\n"
                 "asdic trial scene.yaml --runs 10000 --replay 17 -o run17\n"
                 "asdic view run17/scene.yaml",

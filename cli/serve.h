@@ -36,8 +36,8 @@ serve_reader serve_reader_begin(void);
 serve_line serve_read_line(serve_reader *reader, const char *line, size_t length,
                            serve_request *out, char why[SERVE_WHY_SIZE]);
 
-/* {"x_m": 1, "z_m": 2, ...}, flat, into VALUE, NAN where it is not given; other names are skipped.
- * False: WHY tells what is wrong. */
+/* {"x_m": 1, "z_m": 2, ...} into VALUE, NAN where it is not given or null; other names are skipped, whatever they
+ * hold, unless one seems meant for a value that is not given, or none is known. False: WHY tells what is wrong. */
 bool serve_read_object(const char *line, double value[SERVE_COLUMNS], char why[SERVE_WHY_SIZE]);
 
 typedef enum serve_format { SERVE_JSON, SERVE_CSV, SERVE_RAW } serve_format;

@@ -7,6 +7,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 const char *const serve_columns[SERVE_COLUMNS] = {"time_s",   "x_m",       "y_m",    "z_m",
                                                   "roll_deg", "pitch_deg", "yaw_deg"};
@@ -33,29 +34,80 @@ static int find_column(const char *text, size_t length) {
 
 /* Shorter names are near to any other. */
 #define LEAST_LETTERS 4
+/* Longer names are no misspelt ones. */
+#define NAME_SIZE 64
 
-/* Whether the name TEXT[0..LENGTH), which is no column's, was meant for one, as yaw for yaw_deg; others are somebody
- * else's, and passed over. */
-static bool is_misspelt(const char *text, size_t length, char *why) {
-    char name[32];
-    const char *meant = NULL;
+/* What a line or header names. */
+typedef struct name_list {
+    bool has[SERVE_COLUMNS];
+    char strange[SERVE_COLUMNS][NAME_SIZE]; /* an unknown name that may be meant for the column */
+} name_list;
+
+/* "yaw" or "yaw_..." for the stem "yaw". */
+static bool has_stem(const char *name, const char *stem, size_t length) {
+    return strncasecmp(name, stem, length) == 0 && (name[length] == '\0' || name[length] == '_');
+}
+
+/* The column that NAME, which is no column's, was meant for, as yaw or heading_rad for yaw_deg; -1: none. */
+static int meant_column(const char *name) {
+    static const char *const others[SERVE_COLUMNS] = {[SERVE_Z] = "depth", [SERVE_YAW] = "heading"};
+    for (int i = 0; i < SERVE_COLUMNS; i++) {
+        if (has_stem(name, serve_columns[i], strcspn(serve_columns[i], "_")) ||
+            (others[i] && has_stem(name, others[i], strlen(others[i])))) {
+            return i;
+        }
+    }
+    const char *near =
+        strlen(name) < LEAST_LETTERS ? NULL : cli_nearest(name, serve_columns, SERVE_COLUMNS);
+    return near ? find_column(near, strlen(near)) : -1;
+}
+
+static bool ends_with(const char *name, const char *unit) {
+    size_t length = strlen(name), size = strlen(unit);
+    return length > size && strcmp(name + length - size, unit) == 0;
+}
+
+/* An unknown name with a number: for a column by its letters, or for one of the angles or the depth by its unit. */
+static void note_strange(name_list *names, const char *text, size_t length) {
+    char name[NAME_SIZE];
     if (length == 0 || length >= sizeof name) {
-        return false;
+        return;
     }
     memcpy(name, text, length);
     name[length] = '\0';
-    for (int i = 0; i < SERVE_COLUMNS && !meant; i++) {
-        bool is_stem =
-            strncmp(serve_columns[i], name, length) == 0 && serve_columns[i][length] == '_';
-        meant = is_stem ? serve_columns[i] : NULL;
+    int first = meant_column(name), last = first;
+    if (first < 0 && (ends_with(name, "_deg") || ends_with(name, "_rad"))) {
+        first = SERVE_ROLL;
+        last = SERVE_YAW;
+    } else if (first < 0 && ends_with(name, "_m")) {
+        first = last = SERVE_Z;
     }
-    if (!meant && length >= LEAST_LETTERS) {
-        meant = cli_nearest(name, serve_columns, SERVE_COLUMNS);
+    for (int i = first; i >= 0 && i <= last; i++) {
+        if (!names->strange[i][0]) {
+            memcpy(names->strange[i], name, sizeof name);
+        }
     }
-    if (meant) {
-        snprintf(why, SERVE_WHY_SIZE, "unknown name '%s'; did you mean '%s'?", name, meant);
+}
+
+/* Whether an unknown name was meant for a column that is not there, or is one's without its unit; the others are
+ * somebody else's, and passed over. */
+static bool is_misspelt(const name_list *names, char *why) {
+    for (int i = 0; i < SERVE_COLUMNS; i++) {
+        const char *name = names->strange[i];
+        size_t stem = strcspn(serve_columns[i], "_");
+        bool is_bare = has_stem(name, serve_columns[i], stem) && name[stem] == '\0';
+        if (!*name || (names->has[i] && !is_bare)) {
+            continue;
+        }
+        if (meant_column(name) == i) {
+            snprintf(why, SERVE_WHY_SIZE, "unknown name '%s'; did you mean '%s'?", name,
+                     serve_columns[i]);
+        } else {
+            snprintf(why, SERVE_WHY_SIZE, "unknown name '%s'; the names are " ORDER, name);
+        }
+        return true;
     }
-    return meant != NULL;
+    return false;
 }
 
 static const char *skip_blanks(const char *at) {
@@ -99,26 +151,111 @@ static bool bad_json(const char *line, const char *at, const char *expected, cha
     return false;
 }
 
-/* Skips the value of an unknown name: a string without escapes, a number, true, false or null. */
-static bool skip_value(const char **at) {
-    double number;
-    if (**at == '"') {
-        const char *end = strchr(*at + 1, '"');
-        *at = end ? end + 1 : *at;
-        return end != NULL;
+/* Behind the string at *AT, whatever it holds. */
+static bool skip_string(const char **at) {
+    const char *end = *at + 1;
+    while (**at == '"' && *end && *end != '"') {
+        end += end[0] == '\\' && end[1] ? 2 : 1;
     }
-    static const char *const words[] = {"true", "false", "null"};
-    for (int i = 0; i < 3; i++) {
-        if (strncmp(*at, words[i], strlen(words[i])) == 0) {
-            *at += strlen(words[i]);
-            return true;
+    bool good = **at == '"' && *end == '"';
+    *at = good ? end + 1 : *at;
+    return good;
+}
+
+/* Deeper values are refused, so that no line exhausts the stack. */
+#define MOST_LEVELS 32
+
+static bool skip_value(const char **at, int level);
+
+/* Behind the list or object at *AT. */
+static bool skip_list(const char **at, int level) {
+    bool is_object = **at == '{';
+    char end = is_object ? '}' : ']';
+    *at = skip_blanks(*at + 1);
+    for (bool is_first = true; !is_first || **at != end; is_first = false) {
+        if (is_object && !skip_string(at)) {
+            return false;
         }
+        *at = skip_blanks(*at);
+        if (is_object && **at != ':') {
+            return false;
+        }
+        *at = skip_blanks(*at + is_object);
+        if (!skip_value(at, level)) {
+            return false;
+        }
+        *at = skip_blanks(*at);
+        if (**at == end) {
+            break;
+        }
+        if (**at != ',') {
+            return false;
+        }
+        *at = skip_blanks(*at + 1);
     }
-    return read_number(at, &number);
+    ++*at;
+    return true;
+}
+
+static bool skip_word(const char **at, const char *word) {
+    bool good = strncmp(*at, word, strlen(word)) == 0;
+    *at += good ? strlen(word) : 0;
+    return good;
+}
+
+/* Behind the value of an unknown name; else *AT is where it is none. */
+static bool skip_value(const char **at, int level) {
+    const char *from = *at;
+    double number;
+    if (*from == '"') {
+        return skip_string(at);
+    }
+    if (*from == '{' || *from == '[') {
+        return level < MOST_LEVELS && skip_list(at, level + 1);
+    }
+    if (skip_word(at, "true") || skip_word(at, "false") || skip_word(at, "null")) {
+        return true;
+    }
+    read_number(at, &number);
+    return *at != from; /* also too large a one */
+}
+
+/* "x_m": 1 and the like at *AT, moved behind it. */
+static bool read_member(const char *line, const char **at, name_list *names, size_t *known,
+                        double value[SERVE_COLUMNS], char *why) {
+    const char *name = *at + 1;
+    if (!skip_string(at)) {
+        return bad_json(line, *at, "a name in double quotes", why);
+    }
+    size_t length = (size_t)(*at - 1 - name);
+    int column = find_column(name, length);
+    *at = skip_blanks(*at);
+    if (**at != ':') {
+        return bad_json(line, *at, "a colon", why);
+    }
+    *at = skip_blanks(*at + 1);
+    if (column < 0) {
+        if (**at == '-' || isdigit((unsigned char)**at)) {
+            note_strange(names, name, length);
+        }
+        return skip_value(at, 0) || bad_json(line, *at, "a value, at most 32 levels deep,", why);
+    }
+    ++*known;
+    if (names->has[column]) {
+        snprintf(why, SERVE_WHY_SIZE, "'%s' is there twice", serve_columns[column]);
+        return false;
+    }
+    if (skip_word(at, "null")) {
+        return true;
+    }
+    names->has[column] = read_number(at, &value[column]);
+    return names->has[column] || bad_json(line, *at, "a number", why);
 }
 
 bool serve_read_object(const char *line, double value[SERVE_COLUMNS], char why[SERVE_WHY_SIZE]) {
     const char *at = skip_blanks(line);
+    name_list names = {.has = {false}};
+    size_t count = 0, known = 0;
     for (int i = 0; i < SERVE_COLUMNS; i++) {
         value[i] = NAN;
     }
@@ -126,44 +263,32 @@ bool serve_read_object(const char *line, double value[SERVE_COLUMNS], char why[S
         return bad_json(line, at, "a {", why);
     }
     at = skip_blanks(at + 1);
-    while (*at != '}') {
-        const char *name = at + 1, *end = *at == '"' ? strchr(name, '"') : NULL;
-        if (!end) {
-            return bad_json(line, at, "a name in double quotes", why);
-        }
-        int column = find_column(name, (size_t)(end - name));
-        if (column < 0 && is_misspelt(name, (size_t)(end - name), why)) {
+    for (; count == 0 ? *at != '}' : *at == ','; count++) {
+        at = count == 0 ? at : skip_blanks(at + 1);
+        if (!read_member(line, &at, &names, &known, value, why)) {
             return false;
-        }
-        at = skip_blanks(end + 1);
-        if (*at != ':') {
-            return bad_json(line, at, "a colon", why);
-        }
-        at = skip_blanks(at + 1);
-        if (column >= 0 && !isnan(value[column])) {
-            snprintf(why, SERVE_WHY_SIZE, "'%s' is there twice", serve_columns[column]);
-            return false;
-        }
-        if (column >= 0 ? !read_number(&at, &value[column]) : !skip_value(&at)) {
-            return bad_json(line, at, column >= 0 ? "a number" : "a number, string or word", why);
         }
         at = skip_blanks(at);
-        if (*at != ',' && *at != '}') {
-            return bad_json(line, at, "a comma or }", why);
-        }
-        if (*at == ',') {
-            at = skip_blanks(at + 1);
-            if (*at == '}') {
-                return bad_json(line, at, "a name in double quotes", why);
-            }
-        }
+    }
+    if (*at != '}') {
+        return bad_json(line, at, "a comma or }", why);
     }
     at = skip_blanks(at + 1);
-    return !*at || bad_json(line, at, "the end of the line", why);
+    if (*at) {
+        return bad_json(line, at, "the end of the line", why);
+    }
+    if (is_misspelt(&names, why)) {
+        return false;
+    }
+    if (count > 0 && known == 0) {
+        snprintf(why, SERVE_WHY_SIZE, "none of the names is known; they are " ORDER);
+        return false;
+    }
+    return true;
 }
 
 static serve_line read_header(serve_reader *r, const char *line, char *why) {
-    bool seen[SERVE_COLUMNS] = {false};
+    name_list names = {.has = {false}};
     serve_reader now = {.has_header = true};
     for (const char *at = line;; at++) {
         const char *end = at + strcspn(at, ",");
@@ -172,10 +297,7 @@ static serve_line read_header(serve_reader *r, const char *line, char *why) {
             to--;
         }
         int column = find_column(from, (size_t)(to - from));
-        if (column < 0 && is_misspelt(from, (size_t)(to - from), why)) {
-            return SERVE_BAD;
-        }
-        if (now.fields == SERVE_MAX_FIELDS || (column >= 0 && seen[column])) {
+        if (now.fields == SERVE_MAX_FIELDS || (column >= 0 && names.has[column])) {
             snprintf(why, SERVE_WHY_SIZE,
                      now.fields == SERVE_MAX_FIELDS ? "more than 32 columns"
                                                     : "a column is there twice in the header");
@@ -183,14 +305,19 @@ static serve_line read_header(serve_reader *r, const char *line, char *why) {
         }
         now.column[now.fields++] = column;
         if (column >= 0) {
-            seen[column] = true;
+            names.has[column] = true;
+        } else {
+            note_strange(&names, from, (size_t)(to - from));
         }
         at = end;
         if (!*at) {
             break;
         }
     }
-    if (!seen[SERVE_X] || !seen[SERVE_Y] || !seen[SERVE_Z]) {
+    if (is_misspelt(&names, why)) {
+        return SERVE_BAD;
+    }
+    if (!names.has[SERVE_X] || !names.has[SERVE_Y] || !names.has[SERVE_Z]) {
         snprintf(why, SERVE_WHY_SIZE, "the header lacks x_m, y_m or z_m; a full one is " ORDER);
         return SERVE_BAD;
     }

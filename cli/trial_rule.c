@@ -233,7 +233,9 @@ static bool read_answer(const char *answer, asdic_trial_order *order, char *why)
     double value[SERVE_COLUMNS];
     char wrong[SERVE_WHY_SIZE];
     if (!serve_read_object(answer, value, wrong)) {
-        snprintf(why, ASDIC_TRIAL_WHY, "the rule answered '%.60s': %.150s", answer, wrong);
+        snprintf(why, ASDIC_TRIAL_WHY,
+                 "the rule answered '%.40s': %.150s (it can ask for z_m and yaw_deg)", answer,
+                 wrong);
         return false;
     }
     for (int i = 0; i < SERVE_COLUMNS; i++) {

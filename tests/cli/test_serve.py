@@ -173,17 +173,29 @@ def test_every_line_that_asks_is_answered():
 
 
 def test_a_misspelt_name_is_no_angle_of_zero():
+    """Nor is one of another convention, or an angle that this one has no name for; whole messages pass."""
     program.need_device()
-    place = '{"x_m": 0, "y_m": 0, "z_m": 7, "%s": 30}'
-    wrong = {"yaw": "yaw_deg", "pitch_dg": "pitch_deg", "Yaw_deg": "yaw_deg", "time": "time_s", "x": "x_m"}
-    others = ["id", "seq", "mode", "frame", "speed_mps", "lat", "cm", "heading_deg", ""]
+    place = '{"x_m": 0, "y_m": 0, "z_m": 7, %s}'
+    wrong = {"yaw": "yaw_deg", "pitch_dg": "pitch_deg", "Yaw_deg": "yaw_deg", "time": "time_s", "x": "x_m", "yaw_rad": "yaw_deg",
+             "heading_deg": "yaw_deg", "Heading": "yaw_deg"}
+    angles = ["elevation_deg", "elevation_rad"]
+    others = ["id", "seq", "mode", "frame", "speed_mps", "lat", "cm", "altitude_m", "depth", "x_error_m", ""]
+    wholes = ['"heading_deg": 90, "yaw_deg": 30', '"roll_deg": 0, "pitch_deg": 0, "yaw_deg": 0, "lat_deg": 54.5, "lon_deg": 7',
+              '"header": {"stamp": {"sec": 7}, "frame_id": "map"}, "time": "2026-11-30T02:21Z", "yaw": {"rate": [0.1]}',
+              '"time_ms": 5, "time_s": 6']
     with Folder() as folder:
-        lines = [place % name for name in [*wrong, *others]] + ["x_m,y_m,z_m,rol_deg", "x_m,y_m,z_m,depth,note"]
+        lines = [place % f'"{name}": 30' for name in [*wrong, *angles, *others]] + [place % rest for rest in wholes]
+        lines += ["x_m,y_m,z_m,rol_deg", "x_m,y_m,z_m,heading_deg", "x_m,y_m,z_m,depth,note", '{"x_m": 0, "y_m": 0, "depth_m": 7}',
+                  '{"note": 5}']
         answers = [json.loads(line) for line in serve(folder, lines).out.splitlines()]
-        told = [f"unknown name '{name}'; did you mean '{meant}'?"
-                for name, meant in [*wrong.items(), ("rol_deg", "roll_deg")]]
+        last = [("rol_deg", "roll_deg"), ("heading_deg", "yaw_deg"), ("depth_m", "z_m")]
+        names = TRACK.strip()
+        told = [f"unknown name '{name}'; did you mean '{meant}'?" for name, meant in wrong.items()]
+        told += [f"unknown name '{name}'; the names are {names}" for name in angles]
+        told += [f"unknown name '{name}'; did you mean '{meant}'?" for name, meant in last]
+        told += [f"none of the names is known; they are {names}"]
         tap.equal([answer["error"] for answer in answers if "error" in answer], told)
-        tap.equal(len(answers), len(wrong) + len(others) + 1)
+        tap.equal(len(answers), len(told) + len(others) + len(wholes))
 
 
 def test_lines_without_a_time_go_on_from_the_last_that_had_one():

@@ -34,8 +34,9 @@ def test_a_rule_of_another_program():
     """It may do as the scene's rule does, and what it orders is flown."""
     program.need_device()
     with Folder() as folder:
-        with_rule(folder, 'print("{}")')
-        tap.equal([row["manoeuvres"] for row in rows(folder)], ["0", "0"])
+        for holds in "print('{}')", 'print(json.dumps({"yaw_deg": None, "why": {"near": [1, "\\"2\\""]}}))':
+            with_rule(folder, holds)
+            tap.equal([row["manoeuvres"] for row in rows(folder)], ["0", "0"])
         # Its first orders are seen again.
         act = 'print(json.dumps({"yaw_deg": 90} if ping["ping"] >= 10 else {}))'
         with_rule(folder, act, "--replay", "1", runs=2)
@@ -133,6 +134,9 @@ def test_rules_that_fail_are_counted():
                               ('print("starboard")', "the rule answered 'starboard': column 1"),
                               ('print(json.dumps({"z_m": -3}))', "z_m = -3, out of range"),
                               ('print(json.dumps({"pitch_deg": 4}))', "asks for pitch_deg; it can ask for z_m and"),
+                              ('print(json.dumps({"heading_deg": 90}))', "unknown name 'heading_deg'; did you mean 'yaw_deg'?"),
+                              ('print(json.dumps({"yaw_deg": 90, "depth_m": 5}))', "did you mean 'z_m'? (it can ask for z_m and"),
+                              ('print(json.dumps({"turn": True}))', "none of the names is known; they are"),
                               ('print("{" + 2000 * " " + "}")', "longer than 1023 characters"),
                               ('print("{}\\n{}")', "answered a ping with more than a line"),
                               ("import time; time.sleep(60)", "did not answer within 0.5 s")):

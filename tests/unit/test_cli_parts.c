@@ -112,11 +112,55 @@ static void objects_are_read(void **state) {
     assert_bad("{\"x_m}", "column 2: a name in double quotes");
     assert_bad("{\"x_m\" 1}", "column 8: a colon");
     assert_bad("{\"x_m\":true}", "column 8: a number expected");
-    assert_bad("{\"a\":[1]}", "column 6: a number, string or word");
-    assert_bad("{\"a\":\"b}", "column 6: a number, string or word");
+    assert_bad("{\"a\":\"b}", "column 6: a value, at most 32 levels deep, expected");
     assert_bad("{\"x_m\":1 \"y_m\":2}", "column 10: a comma or }");
     assert_bad("{\"x_m\":1,}", "column 10: a name in double quotes");
     assert_bad("{\"x_m\":1} x", "column 11: the end of the line");
+}
+
+/* Any value of RFC 8259 under another name, and null for what is not known. */
+static void other_values_are_passed_over(void **state) {
+    (void)state;
+    static const char *const values[] = {"[]",
+                                         "{}",
+                                         "[ ]",
+                                         "{ }",
+                                         "[1, \"]\" ,{\"x_m\":5}]",
+                                         "{\"stamp\":{\"sec\":1},\"a\":[[]]}",
+                                         "\"a \\\"quoted\\\" word \\\\\"",
+                                         "\"\\u005c\"",
+                                         "1e999",
+                                         "-0.5E+3"};
+    static const struct {
+        const char *value, *column;
+    } broken[] = {{"[1,]", "9"},    {"[1 2]", "9"}, {"{\"b\"}", "10"}, {"{1:2}", "7"},
+                  {"\"a\\\"", "6"}, {"[1", "8"},    {"nul", "6"},      {"{\"b\":1,}", "13"},
+                  {"[1}", "8"},     {"", "6"},      {"tru", "6"}};
+    char line[256];
+    reader = serve_reader_begin();
+    for (size_t i = 0; i < sizeof values / sizeof *values; i++) {
+        snprintf(line, sizeof line, "{\"\\\"a\":%s ,\"x_m\":1,\"y_m\":2,\"z_m\":3}", values[i]);
+        assert_pose(line, 1.0, 2.0, 3.0, 0.0, 0.0, 0.0);
+    }
+    for (size_t i = 0; i < sizeof broken / sizeof *broken; i++) {
+        char reason[64];
+        snprintf(line, sizeof line, "{\"a\":%s", broken[i].value);
+        snprintf(reason, sizeof reason, "column %s: ", broken[i].column);
+        assert_bad(line, reason);
+    }
+    for (int levels = 32; levels <= 33; levels++) {
+        snprintf(line, sizeof line, "{\"x_m\":1,\"y_m\":2,\"z_m\":3,\"a\":%.*s%.*s}", levels,
+                 "[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[", levels, "]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]");
+        if (levels == 32) {
+            assert_pose(line, 1.0, 2.0, 3.0, 0.0, 0.0, 0.0);
+        } else {
+            assert_bad(line, "a value, at most 32 levels deep, expected");
+        }
+    }
+    assert_pose("{\"roll_deg\":null,\"x_m\":1,\"y_m\":2,\"z_m\":3,\"yaw_deg\":4,\"time_s\":null}",
+                1.0, 2.0, 3.0, 0.0, 0.0, 4.0);
+    assert_true(isnan(got.value[SERVE_TIME]));
+    assert_bad("{\"x_m\":null,\"y_m\":2,\"z_m\":3}", "'x_m' is missing");
 }
 
 /* RFC 3629: the least and greatest of each length, what lies between and beyond. */
@@ -616,6 +660,7 @@ int main(void) {
         cmocka_unit_test(values_have_an_order),
         cmocka_unit_test(a_header_gives_the_order),
         cmocka_unit_test(objects_are_read),
+        cmocka_unit_test(other_values_are_passed_over),
         cmocka_unit_test(lines_are_text),
         cmocka_unit_test(long_numbers_are_shown_short),
         cmocka_unit_test(the_nearest_word_is_meant),
