@@ -428,7 +428,8 @@ static const cli_option options[] = {
     {"runs", 0, "N", "runs of each design, else 1000"},
     {"seed", 0, "N", "of all draws and pings, else 1; designs share them"},
     {"vary", 0, "KEY=A,B,..",
-     "a design for each value of this key of the scene, as sonar.file=one.yaml,three.yaml"},
+     "a design for each value of this key of the scene, as sonar.file=one.yaml,three.yaml; also "
+     "lists and maps, as 'mission.waypoints.current_mps=[0,0],[1,0]'"},
     {"rays", 0, "N", "rays per ping, instead of the scene's; of 'auto' 4096"},
     {"tolerance", 0, "DB",
      "as many rays per ping as keep the stated error of 99 % of the bins below this along the way "

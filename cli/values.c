@@ -239,6 +239,18 @@ asdic_status cli_open_devices(cli *c, asdic_device ***out, size_t *count) {
     return asdic_devices_open(c->ctx, cli_device(c), out, count);
 }
 
+/* Behind the value at TEXT: commas in a list or map are its own. */
+static char *end_of_value(char *text) {
+    char *end = text;
+    for (int depth = 0; *end && (depth > 0 || *end != ','); end++) {
+        depth += (*end == '[' || *end == '{') - (*end == ']' || *end == '}');
+        if (!end[1] && depth > 0) { /* no list, but a name */
+            return text + strcspn(text, ",");
+        }
+    }
+    return end;
+}
+
 bool cli_vary(cli *c, size_t most, char **key, const char **values, size_t *count) {
     const char *text = cli_text(c, "vary");
     *count = text ? 0 : 1;
@@ -253,7 +265,9 @@ bool cli_vary(cli *c, size_t most, char **key, const char **values, size_t *coun
     }
     *next++ = 0;
     while (next) {
-        char *value = strsep(&next, ",");
+        char *value = next, *end = end_of_value(value);
+        next = *end ? end + 1 : NULL;
+        *end = 0;
         if (*value == 0 || *count == most) {
             cli_usage(c, "option '--vary': 1 to %zu values, none of them empty", most);
             return false;

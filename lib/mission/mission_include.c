@@ -15,13 +15,6 @@
 /* As long as a scene file may be. */
 #define MAX_SONAR_BYTES ((size_t)4 << 20)
 
-static void set_file(asdic_yaml_node *node, const char *file) {
-    node->file = file;
-    for (asdic_yaml_node *child = node->first; child; child = child->next) {
-        set_file(child, file);
-    }
-}
-
 /* The tree of the file PATH; NULL after problems, which name that file. */
 static asdic_status read_tree(mission_builder *b, const char *path, asdic_yaml_node *named,
                               asdic_yaml_node **out) {
@@ -39,7 +32,7 @@ static asdic_status read_tree(mission_builder *b, const char *path, asdic_yaml_n
     b->problems->name = scene;
     free(text);
     if (*out) {
-        set_file(*out, path);
+        asdic_yaml_set_file(*out, path);
     }
     return has_memory ? ASDIC_OK : asdic_fail_memory(b->ctx, "the sonar's file");
 }

@@ -339,6 +339,16 @@ static void a_key_has_several_values(void **state) {
     assert_string_equal(values[1], "2 x");
     assert_string_equal(values[2], "=");
     free(key);
+    assert_string_equal(say("--vary", "k=[0,[1]],{a: 1, b: [2,3]}", take_vary), "");
+    assert_true(is_varied && count == 2);
+    assert_string_equal(values[0], "[0,[1]]");
+    assert_string_equal(values[1], "{a: 1, b: [2,3]}");
+    free(key);
+    assert_string_equal(say("--vary", "k=a],[b,c", take_vary), ""); /* names of files */
+    assert_true(is_varied && count == 3);
+    assert_string_equal(values[0], "a]");
+    assert_string_equal(values[1], "[b");
+    free(key);
     assert_string_equal(say("--vary", "k=5", take_vary), "");
     assert_true(is_varied && count == 1);
     assert_string_equal(values[0], "5");

@@ -164,6 +164,30 @@ static void draws_stand_in_place_of_the_file(void **state) {
     assert_null(strstr(asdic_context_error(w->ctx), "as drawn"));
 }
 
+/* Lists and maps are set as the file would say them; what is wrong with them is told as theirs, not the file's. */
+static void lists_and_maps_are_set(void **state) {
+    workshop *w = *state;
+    static const asdic_setting good[] = {{"mission.pose.position_m", "[1, 2, 3]"},
+                                         {"bottom", "{depth_m: 9, type: mud}"}};
+    static const asdic_setting wrong[][2] = {
+        {{"mission.pose.position_m", "[1, 2"}, {"mission.pose.position_m=[1, 2:1:1: ", NULL}},
+        {{"mission.pose.position_m", "[1, 2, -3]"}, {"position_m=[1, 2, -3]:1:8: ", NULL}},
+        {{"bottom", "{depht_m: 9}"}, {"bottom={depht_m: 9}:1:2: ", NULL}},
+        {{"sonar.frequenci_khz", "9"}, {"sonar.frequenci_khz=9:1:1: ", NULL}}};
+    write_file(w, "scene.yaml", SCENE FLAT POSE);
+    asdic_mission *m = load_with(w, good, 2, NULL);
+    assert_non_null(m);
+    asdic_vec3 at_m = asdic_mission_pose(m, 0, NULL).position_m;
+    assert_true(at_m.x == 1 && at_m.y == 2 && at_m.z == 3);
+    assert_close(asdic_mission_flat_scene(m, 0).depth_m + asdic_mission_flat_scene(m, 0).altitude_m,
+                 9, 1e-9);
+    asdic_mission_destroy(&m);
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        assert_null(load_with(w, &wrong[i][0], 1, NULL));
+        assert_contains(w->said, wrong[i][1].key);
+    }
+}
+
 /* An index means the file's entry in every run, also where one before it is drawn as none; what is set in an entry that is
  * gone goes with it. */
 static void settings_mean_the_entries_of_the_file(void **state) {
@@ -867,6 +891,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(settings_stand_in_place_of_the_file),
         cmocka_unit_test(draws_stand_in_place_of_the_file),
+        cmocka_unit_test(lists_and_maps_are_set),
         cmocka_unit_test(settings_mean_the_entries_of_the_file),
         cmocka_unit_test(casts_take_the_salinity_that_is_set),
         cmocka_unit_test(casts_have_their_salinity_behind_what_precedes_it),

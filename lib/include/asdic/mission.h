@@ -25,7 +25,7 @@ ASDIC_API asdic_status asdic_mission_load(asdic_context *ctx, const char *path,
 /* A value of a scene file by its path, as error messages print paths. */
 typedef struct asdic_setting {
     const char *key;   /* "sonar.receivers[0].pitch_deg" */
-    const char *value; /* a number or a word, as in the file */
+    const char *value; /* a number, a word, a list or map: "[0, 1]", "{preset: steel}" */
 } asdic_setting;
 
 /* The same with SETTINGS in place of what the file says; keys that it lacks are added, entries of

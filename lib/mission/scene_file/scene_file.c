@@ -6,6 +6,7 @@
 #include "base/number.h"
 
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -144,19 +145,58 @@ asdic_yaml_node *asdic_scene_file_find(asdic_yaml_node *root, const char *path,
     return node;
 }
 
+/* "KEY=VALUE", where problems with what is set are said to stand; NULL without memory. */
+static const char *place_of(const asdic_setting *setting, asdic_arena *arena) {
+    size_t key = strlen(setting->key), value = strlen(setting->value);
+    char *place = asdic_arena_alloc(arena, key + value + 2);
+    if (place) {
+        snprintf(place, key + value + 2, "%s=%s", setting->key, setting->value);
+    }
+    return place;
+}
+
+/* VALUE in NODE, which holds it as a word, where it is a list or map: "[0, 1]", "{preset: steel}". Files may be called
+ * "[w" and "{w}". */
+static bool set_tree(asdic_yaml_node *node, const char *value, asdic_arena *arena) {
+    asdic_problems problems = {0};
+    asdic_yaml_node *tree = NULL;
+    bool has_memory = asdic_yaml_read(value, strlen(value), arena, &problems, &tree);
+    bool is_tree = tree && problems.total == 0 && tree->kind != ASDIC_YAML_SCALAR &&
+                   !(tree->first && tree->first->kind == ASDIC_YAML_SCALAR &&
+                     tree->first->length == 0 && !tree->first->quoted);
+    for (asdic_yaml_node *next = is_tree ? tree->first : NULL; next;) {
+        asdic_yaml_node *child = next;
+        next = child->next;
+        child->next = NULL;
+        asdic_yaml_append(node, child);
+    }
+    node->kind = is_tree ? tree->kind : ASDIC_YAML_SCALAR;
+    asdic_yaml_set_file(node, node->file);
+    has_memory &= !problems.out_of_memory;
+    asdic_problems_finish(&problems);
+    return has_memory;
+}
+
 void asdic_scene_file_set(asdic_yaml_node *root, const asdic_setting *setting, asdic_arena *arena,
                           asdic_problems *problems) {
     asdic_yaml_node *node = asdic_scene_file_find(root, setting->key, NULL, arena, problems);
-    if (!node) {
+    const char *place = node ? place_of(setting, arena) : NULL;
+    problems->out_of_memory |= node && !place;
+    if (!place) {
         return;
     }
     node->kind = ASDIC_YAML_SCALAR;
+    node->file = place;
+    node->line = node->column = node->key_line = node->key_column = 1;
     node->first = node->last = NULL;
     node->count = 0;
     node->quoted = false;
     node->length = strlen(setting->value);
     node->text = asdic_arena_string(arena, setting->value, node->length);
     problems->out_of_memory |= !node->text;
+    if (setting->value[0] == '[' || setting->value[0] == '{') {
+        problems->out_of_memory |= !set_tree(node, setting->value, arena);
+    }
 }
 
 bool asdic_scene_key_includes(const char *key) {

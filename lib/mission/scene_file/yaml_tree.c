@@ -36,6 +36,13 @@ void asdic_yaml_append(asdic_yaml_node *parent, asdic_yaml_node *child) {
     parent->last = child;
 }
 
+void asdic_yaml_set_file(asdic_yaml_node *node, const char *file) {
+    node->file = file;
+    for (asdic_yaml_node *child = node->first; child; child = child->next) {
+        asdic_yaml_set_file(child, file);
+    }
+}
+
 void asdic_yaml_filter(asdic_yaml_node *parent,
                        bool (*stays)(const asdic_yaml_node *child, const void *user),
                        const void *user) {

@@ -44,6 +44,9 @@ int asdic_yaml_key_shown(const asdic_yaml_node *node);
 /* Appends a child, sets parent and index. */
 void asdic_yaml_append(asdic_yaml_node *parent, asdic_yaml_node *child);
 
+/* Sets where NODE and all below it stand. */
+void asdic_yaml_set_file(asdic_yaml_node *node, const char *file);
+
 /* Leaves the children that stay, in their order. */
 void asdic_yaml_filter(asdic_yaml_node *parent,
                        bool (*stays)(const asdic_yaml_node *child, const void *user),
