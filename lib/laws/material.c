@@ -84,7 +84,8 @@ void asdic_material_describe(const asdic_material *material, char *text, size_t 
     snprintf(text, size, "%s", law ? law->name : "none");
     for (size_t i = 0; law && i < law->model.key_count; i++) {
         const asdic_model_key *key = &law->model.keys[i];
-        double value = material->value[i];
+        bool is_usual = key->words && isnan(material->value[i]);
+        double value = is_usual ? key->fallback : material->value[i]; /* a bottom is sand */
         if (!key->doc || isnan(value)) {
             continue;
         }

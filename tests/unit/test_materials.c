@@ -310,6 +310,7 @@ static void materials_are_described_in_words(void **state) {
         {asdic_material_bottom(1.0), "mud"},
         {asdic_material_bottom(4.0), "rock"},
         {asdic_material_bottom(2.5), "type 2.5"},
+        {asdic_material_bottom(NAN), "sand"},
         {asdic_material_facet(45.0, 1e-3, 0.1), "impedance_mrayl 45"},
         {asdic_material_of(asdic_law_find("lambert")), "lambert"}, /* nothing is given */
         {lambert(-20.25), "lambert_db -20.2"},
