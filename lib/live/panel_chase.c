@@ -71,8 +71,10 @@ static void names(const panel *p, const asdic_view *view, size_t width, size_t h
         const asdic_mission_object *o = asdic_mission_get_object(view->mission, i);
         asdic_vec3 top_m = {0.5 * (o->min_m.x + o->max_m.x), 0.5 * (o->min_m.y + o->max_m.y),
                             o->min_m.z};
+        top_m =
+            asdic_vec3_add(top_m, asdic_vec3_sub(asdic_view_object_m(view, o), o->pose.position_m));
         double x, y, far_m, range_m = asdic_view_range_m(view);
-        if (!o->name[0] || o->moves || !asdic_camera_project(view->camera, top_m, &x, &y, &far_m) ||
+        if (!o->name[0] || !asdic_camera_project(view->camera, top_m, &x, &y, &far_m) ||
             far_m > 0.8 * range_m || is_hidden(view, width, height, x, y, far_m) || x < 0 ||
             x > (double)width || y < 20.0 || y > (double)height ||
             is_taken(spots, &spot_count, x, y, p->scale)) {

@@ -10,6 +10,7 @@
 
 /* Few beams are drawn each, many as their sector. */
 #define SINGLE_BEAMS 8
+#define OBJECT_RGB 0xbfa675u
 
 typedef struct map {
     const panel *p;
@@ -42,7 +43,7 @@ static void relief(const map *m, const asdic_view *view) {
     const asdic_relief *r = m->relief;
     asdic_relief_look look = {.low_m = m->low_m,
                               .high_m = m->high_m,
-                              .object_rgb = 0xbfa675u,
+                              .object_rgb = OBJECT_RGB,
                               .empty_rgb = PANEL_NIGHT_RGB};
     asdic_raster raster;
     for (int i = 0; i < 256; i++) {
@@ -139,6 +140,24 @@ static void tracks(const map *m, const asdic_view *view) {
     cairo_stroke(cr);
 }
 
+/* What moves is not in the relief. */
+static void moving(const map *m, const asdic_view *view) {
+    cairo_t *cr = m->p->canvas->cr;
+    for (size_t i = 0; i < asdic_mission_object_count(view->mission); i++) {
+        const asdic_mission_object *o = asdic_mission_get_object(view->mission, i);
+        if (!o->moves) {
+            continue;
+        }
+        asdic_vec3 at_m = asdic_view_object_m(view, o);
+        double radius_m = 0.5 * fmax(o->max_m.x - o->min_m.x, o->max_m.y - o->min_m.y);
+        cairo_new_path(cr);
+        cairo_arc(cr, map_x(m, at_m.y), map_y(m, at_m.x),
+                  fmax(radius_m * m->px_per_m, 3.0 * m->p->scale), 0.0, 2.0 * ASDIC_PI);
+        asdic_canvas_color(m->p->canvas, OBJECT_RGB);
+        cairo_fill(cr);
+    }
+}
+
 static void vehicle(const map *m, const asdic_pose *pose) {
     cairo_t *cr = m->p->canvas->cr;
     double size = 8.0 * m->p->scale;
@@ -231,6 +250,7 @@ void panel_plan(const panel *p, const asdic_view *view) {
     grid(&m);
     beams(&m, view);
     tracks(&m, view);
+    moving(&m, view);
     vehicle(&m, &view->ping.pose);
     scale_bar(&m);
     north_arrow(&m);

@@ -7,6 +7,7 @@
 #include "base/vec.h"
 #include "loop.h"
 #include "mission/mission.h"
+#include "mission/track/track.h"
 #include "out/beam_width.h"
 #include "out/raster.h"
 
@@ -39,6 +40,11 @@ double asdic_view_range_m(const asdic_view *view) {
 asdic_pose asdic_view_sonar_pose(const asdic_view *view) {
     asdic_sweep sweep = asdic_mission_sweep(view->mission);
     return asdic_sweep_sonar(&sweep, &view->ping.pose, view->ping.ping);
+}
+
+asdic_vec3 asdic_view_object_m(const asdic_view *view, const asdic_mission_object *o) {
+    const asdic_track *track = o->moves ? asdic_mission_track_of(view->mission, o->name) : NULL;
+    return track ? asdic_track_pose(track, view->ping.time_s).position_m : o->pose.position_m;
 }
 
 double asdic_view_half_width_rad(const asdic_view *view, double length_m) {

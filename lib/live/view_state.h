@@ -81,6 +81,9 @@ double asdic_view_range_m(const asdic_view *view);
 /* The last ping's: the vehicle's, with a scanned head turned. */
 asdic_pose asdic_view_sonar_pose(const asdic_view *view);
 
+/* Where object O is at the last ping. */
+asdic_vec3 asdic_view_object_m(const asdic_view *view, const asdic_mission_object *o);
+
 /* Half-power half-width of an aperture of LENGTH_M, rad. */
 double asdic_view_half_width_rad(const asdic_view *view, double length_m);
 

@@ -601,6 +601,41 @@ static void beams_are_cones(void **state) {
     }
 }
 
+/* On the map and by its name, where it is at the moment. */
+static void what_moves_is_shown(void **state) {
+    (void)state;
+    char path[] = "/tmp/asdic-track-XXXXXX", more[160];
+    int fd = mkstemp(path);
+    assert_true(fd >= 0);
+    assert_true(
+        dprintf(
+            fd,
+            "time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n0,2,12,7,0,0,0\n4,-2,12,7,0,0,0\n") >
+        0);
+    close(fd);
+    snprintf(more, sizeof more,
+             "objects: [{name: fish, sphere: {radius_m: 0.5}, track: %s}]\nsampling: {rays: 256}",
+             path);
+    asdic_view *v = open_view("[{name: a}]", more);
+    unlink(path);
+    double label_x = NAN;
+    for (int ping = 0; ping < 3; ping++) {
+        step(v, 1);
+        draw(v);
+        double px_per_m =
+            fmax(v->layout.plan.w, v->layout.plan.h) / ((double)v->relief.rows * v->relief.cell_m);
+        assert_int_equal(arc_count, 2);
+        assert_close(arcs[1].x - arcs[0].x, (12.0 - 0.5 * ping) * px_per_m, 1e-6);
+        assert_close(arcs[1].y - arcs[0].y, -(2.0 - 0.25 * ping) * px_per_m, 1e-6);
+        double last_x = label_x;
+        for (size_t i = 0; i < word_count; i++) {
+            label_x = strcmp(words[i].text, "fish") == 0 ? words[i].x : label_x;
+        }
+        assert_true(ping == 0 ? label_x > v->layout.chase.x : label_x > last_x);
+    }
+    close_view(v);
+}
+
 /* A cone ends at 166 degrees: a wider fan is seen as several, side by side. */
 static void wide_fans_are_seen_whole(void **state) {
     (void)state;
@@ -895,6 +930,7 @@ int main(void) {
         cmocka_unit_test(texts_lose_what_is_no_text),
         cmocka_unit_test(the_newest_ping_is_on_top),
         cmocka_unit_test(beams_are_cones),
+        cmocka_unit_test(what_moves_is_shown),
         cmocka_unit_test(wide_fans_are_seen_whole),
         cmocka_unit_test(the_camera_stays_in_the_water),
         cmocka_unit_test(the_scope_shows_the_chosen_beam),
