@@ -27,7 +27,7 @@ struct asdic_loop {
     const asdic_mission *mission; /* NULL: nothing moves but the vehicle */
     double ping_rate_hz, start_s;
     loop_slot slots[2];
-    uint64_t next; /* ping to be submitted */
+    uint64_t first, next; /* ping that it began with, and that to be submitted */
 
     pthread_t thread;
     bool has_thread, has_lock;
@@ -46,7 +46,7 @@ static loop_slot *slot_of(asdic_loop *loop, uint64_t ping) {
 }
 
 static double time_of(const asdic_loop *loop, uint64_t ping) {
-    return loop->start_s + (double)ping / loop->ping_rate_hz;
+    return loop->start_s + (double)(ping - loop->first) / loop->ping_rate_hz;
 }
 
 /* Where the sonar of a vehicle at the submitted pose is, and looks, at ping PING. */
@@ -63,7 +63,7 @@ static asdic_status simulate(asdic_loop *loop) {
     if (loop->mission) {
         TRY(asdic_mission_place_at(loop->mission, loop->simulator, time_of(loop, index)));
     }
-    if (asdic_simulator_learn_is_due(loop->simulator, &pose, index)) {
+    if (index == loop->first || asdic_simulator_learn_is_due(loop->simulator, &pose, index)) {
         TRY(asdic_simulator_learn(loop->simulator, &pose, index));
     }
     TRY(asdic_simulator_ping(loop->simulator, &pose, index, slot->ping));
@@ -184,6 +184,10 @@ asdic_status asdic_loop_create_mission(asdic_context *ctx, asdic_device *device,
 
 asdic_simulator *asdic_loop_simulator(const asdic_loop *loop) {
     return loop->simulator;
+}
+
+void asdic_loop_begin_at(asdic_loop *loop, uint64_t ping) {
+    loop->first = loop->next = ping;
 }
 
 void asdic_loop_destroy(asdic_loop **pointer) {

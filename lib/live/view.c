@@ -113,6 +113,7 @@ static asdic_status resize(asdic_view *view) {
 /* Opens a loop from POSE on with the present choices, and a recording where one is wanted. */
 static asdic_status open_loop(asdic_view *view, const asdic_pose *pose, double start_s) {
     size_t bins = asdic_loop_bin_count(view->loop);
+    uint64_t next = view->ping.beams > 0 ? view->ping.ping + 1 : 0;
     asdic_choices now = view->chosen;
     now.rays = asdic_governor_rays(&view->governor);
     asdic_loop_destroy(&view->loop);
@@ -122,6 +123,9 @@ static asdic_status open_loop(asdic_view *view, const asdic_pose *pose, double s
                                   start_s, &view->loop));
     if (asdic_loop_bin_count(view->loop) != bins) {
         TRY(resize(view));
+    }
+    if (!view->wants_recording) { /* a run begins with ping 0; else a scanned head goes on */
+        asdic_loop_begin_at(view->loop, next);
     }
     if (view->wants_recording) {
         TRY(asdic_recording_begin(view->ctx, view->mission, view->device, view->options.folder,

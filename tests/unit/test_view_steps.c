@@ -416,6 +416,12 @@ static void scans_keep_the_chosen_beam(void **state) {
         assert_close(head, 30.0 * DEGREE * ((double)at - 1.0), 1e-9);
         assert_close(asdic_view_sonar_pose(v).yaw_rad, v->ping.pose.yaw_rad + head, 1e-6);
     }
+    for (int k = 5; k < 8; k++) { /* the head goes on when choices change */
+        assert_true(asdic_view_press(v, k % 2 ? "l" : "p"));
+        step(v, 1);
+        assert_int_equal(v->ping.ping, k);
+        assert_close(v->ping.time_s, 0.25 * k, 1e-9);
+    }
     close_view(v);
 }
 
