@@ -126,18 +126,20 @@ static void say_rough(const cli *c, const asdic_sonar *sonar, const asdic_tolera
 static asdic_status keep_tolerance(cli *c, asdic_mission *mission, asdic_device *device,
                                    const asdic_tolerance *wanted, size_t first, size_t pings) {
     asdic_ray_budget found;
+    size_t all = asdic_mission_ping_count(mission);
     TRY(asdic_mission_find_rays(cli_context(c), mission, device, wanted, &found));
     if (found.judged == 0) {
         cli_warning(
             c,
-            "tolerance %g dB: no bin is above the noise in %zu ping%s looked at, so that none "
-            "can keep it; the %u rays per ping stay as they are",
-            wanted->stderr_db, found.pings, found.pings == 1 ? "" : "s", found.rays);
+            "tolerance %g dB: no bin is above the noise in the %zu of %zu pings looked at, so that "
+            "none can keep it; the %u rays per ping stay as they are",
+            wanted->stderr_db, found.pings, all, found.rays);
     } else {
         double kept = 1.0 - (double)found.rough_count / (double)found.judged;
         cli_note(c,
-                 "tolerance %g dB: %u rays per ping keep it in %.4g %% of bins, worst bin %.3g dB",
-                 wanted->stderr_db, found.rays, 100.0 * kept, found.worst_db);
+                 "tolerance %g dB: %u rays per ping keep it in %.4g %% of bins, worst bin %.3g dB, "
+                 "in the %zu of %zu pings looked at",
+                 wanted->stderr_db, found.rays, 100.0 * kept, found.worst_db, found.pings, all);
     }
     double lessons = (double)asdic_mission_lessons(mission, first, pings);
     double seconds = found.ping_s * (double)pings + found.learn_s * lessons;
@@ -320,9 +322,10 @@ const cli_command cli_run_command = {
         "run, on what, how fast, how good; remarks where a law is used beyond the range that "
         "its source states). A run that was interrupted, or killed, is "
         "finished by --resume.\n\n"
-        "--tolerance looks at up to 4 pings spread over the mission and doubles the rays "
-        "until 99 % of the bins above the noise keep it, or what --tolerance-percent says, at most "
-        "4194304 a ping. It prints the rays, the time that they will take, and the roughest of the "
+        "--tolerance looks at up to 16 pings spread over the mission, the first and the last among "
+        "them, and doubles the rays until 99 % of their bins above the noise keep it, or what "
+        "--tolerance-percent says, at most 4194304 a ping. It prints the rays, the time that they "
+        "will take, and the roughest of the "
         "bins that would need more.\n\n"
         "Where asdic was built with MPI, 'mpirun -n 4 --bind-to none asdic run ...' shares "
         "the pings among four processes, which may be on several machines that see the "

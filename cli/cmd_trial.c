@@ -367,10 +367,12 @@ static void dismiss(workforce *w) {
 static asdic_status find_rays(cli *c, request *r, asdic_device *device) {
     asdic_trial_options *o = &r->options;
     const asdic_tolerance wanted = {r->tolerance_db, 0.99, MOST_RAYS};
+    size_t pings = 0;
     for (size_t v = 0; v < o->variants.count; v++) {
         asdic_ray_budget found;
         TRY(asdic_trial_find_rays(cli_context(c), device, o, v, &wanted, &found));
         o->rays = found.rays > o->rays ? found.rays : o->rays;
+        pings += found.pings;
         if (found.judged == 0) {
             cli_warning(
                 c,
@@ -378,11 +380,15 @@ static asdic_status find_rays(cli *c, request *r, asdic_device *device) {
                 "none can keep it; the search ends at its first %u rays per ping",
                 wanted.stderr_db, found.rays);
         } else if (!found.is_kept) {
-            cli_warning(c, "%u rays per ping do not keep %g dB: the worst bin has %.3g dB",
-                        found.rays, wanted.stderr_db, found.worst_db);
+            cli_warning(c,
+                        "%u rays per ping do not keep %g dB: %zu of %zu bins in %zu pings stay "
+                        "above it, the worst bin has %.3g dB",
+                        found.rays, wanted.stderr_db, found.rough_count, found.judged, found.pings,
+                        found.worst_db);
         }
     }
-    cli_note(c, "tolerance %g dB: %u rays per ping", wanted.stderr_db, o->rays);
+    cli_note(c, "tolerance %g dB: %u rays per ping, by %zu pings along the way of run 0",
+             wanted.stderr_db, o->rays, pings);
     return ASDIC_OK;
 }
 

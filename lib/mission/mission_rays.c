@@ -55,8 +55,9 @@ asdic_ray_forecast asdic_mission_ray_forecast(const asdic_mission *mission) {
 
 /* --- found by simulating ---------------------------------------------------------------------- */
 
-/* Pings looked at, spread over the mission. */
-#define MOST_PINGS 4
+/* Pings looked at. Bins grow rough towards a target, and after their lesson: of five missions towards a hull and a reef, 16
+ * pings found the share above a tolerance within 7 % of what all pings have, 4 within 84 %. */
+#define MOST_PINGS 16
 
 /* Energy that rays bring in: all but speckle and noise. */
 static double echo_of(const asdic_ping *ping, size_t at) {
@@ -96,46 +97,78 @@ static void judge(const asdic_ping *ping, size_t number, double tolerance_db,
     }
 }
 
-/* Simulates OUT->pings pings, the first ones of evenly spread learning blocks, and judges them. */
+/* Ping K of COUNT that are looked at among ALL: one in each of COUNT equal stretches, at places in them that go with no
+ * number of pings, as that of a learning block; the first ping and the last among them. */
+static size_t ping_of(size_t k, size_t count, size_t all) {
+    const double golden = 0.6180339887498949;
+    size_t first = k * all / count, next = (k + 1) * all / count;
+    size_t in = (size_t)(fmod((double)k * golden, 1.0) * (double)(next - first));
+    return k + 1 == count ? all - 1 : first + in;
+}
+
+/* Learns at the ping LESSON, as a run does that comes to it. */
+static asdic_status learn(const asdic_mission *mission, asdic_simulator *sim, size_t lesson,
+                          asdic_ray_budget *out) {
+    asdic_pose pose = asdic_mission_pose(mission, lesson, NULL);
+    TRY(asdic_mission_place(mission, sim, lesson));
+    double began_s = asdic_clock_s();
+    TRY(asdic_simulator_learn(sim, &pose, lesson));
+    out->learn_s = fmin(out->learn_s, asdic_clock_s() - began_s);
+    return ASDIC_OK;
+}
+
+/* Whether so many bins are rough that the LEFT bins to come cannot mend it. */
+static bool is_lost(const asdic_ray_budget *budget, const asdic_tolerance *tolerance, size_t left) {
+    return budget->rays < tolerance->most_rays &&
+           (double)budget->rough_count > (1.0 - tolerance->share) * (double)(budget->judged + left);
+}
+
+/* Simulates pings as the mission's run makes them, and judges them; no more than tell that the rays do not do. */
 static asdic_status look(asdic_context *ctx, const asdic_mission *mission, asdic_simulator *sim,
-                         asdic_ping *ping, double tolerance_db, asdic_ray_budget *out) {
-    size_t blocks = (asdic_mission_ping_count(mission) + ASDIC_LEARN_BLOCK - 1) / ASDIC_LEARN_BLOCK;
-    out->pings = blocks < MOST_PINGS ? blocks : MOST_PINGS;
+                         asdic_ping *ping, const asdic_tolerance *tolerance,
+                         asdic_ray_budget *out) {
+    size_t all = asdic_mission_ping_count(mission), learnt = SIZE_MAX;
+    size_t count = all < MOST_PINGS ? all : MOST_PINGS, cells = ping->beams * ping->bins;
+    char below[ASDIC_BELOW_BOTTOM_SIZE];
     out->worst_db = 0.0;
     out->ping_s = out->learn_s = INFINITY;
-    out->rough_count = out->judged = 0;
-    for (size_t k = 0; k < out->pings; k++) {
-        size_t last = out->pings - 1;
-        size_t number = (last ? k * (blocks - 1) / last : 0) * ASDIC_LEARN_BLOCK;
-        asdic_pose pose = asdic_mission_pose(mission, number, NULL);
-        if (pose.position_m.z > asdic_mission_bottom_m(mission->scene, pose.position_m)) {
+    out->rough_count = out->judged = out->pings = 0;
+    for (size_t k = 0; k < count && !is_lost(out, tolerance, (count - k) * cells); k++) {
+        size_t number = ping_of(k, count, all), together;
+        size_t lesson = asdic_mission_lesson(mission, number, 1, &together);
+        if (asdic_mission_is_below_bottom(mission, number, below) ||
+            asdic_mission_is_below_bottom(mission, lesson, below)) {
             continue; /* of a trial, whose vehicle gives way before */
         }
-        TRY(asdic_step(ctx, "pings to find how many rays are needed", k, out->pings));
+        TRY(asdic_step(ctx, "pings to find how many rays are needed", k, count));
+        if (lesson != learnt) {
+            TRY(learn(mission, sim, lesson, out));
+            learnt = lesson;
+        }
+        asdic_pose pose = asdic_mission_pose(mission, number, NULL);
         TRY(asdic_mission_place(mission, sim, number));
         double began_s = asdic_clock_s();
-        TRY(asdic_simulator_learn(sim, &pose, number));
-        out->learn_s = fmin(out->learn_s, asdic_clock_s() - began_s);
-        began_s = asdic_clock_s();
         TRY(asdic_simulator_ping(sim, &pose, number, ping));
         out->ping_s = fmin(out->ping_s, asdic_clock_s() - began_s);
-        judge(ping, number, tolerance_db, out);
+        out->pings++;
+        judge(ping, number, tolerance->stderr_db, out);
     }
     return ASDIC_OK;
 }
 
 static asdic_status look_with(asdic_context *ctx, const asdic_mission *mission,
-                              asdic_simulator *sim, double tolerance_db, asdic_ray_budget *out) {
+                              asdic_simulator *sim, const asdic_tolerance *tolerance,
+                              asdic_ray_budget *out) {
     asdic_ping *ping = NULL;
     TRY(asdic_ping_create(ctx, asdic_mission_sonar(mission)->receiver_count,
                           asdic_simulator_bin_count(sim), &ping));
-    asdic_status status = look(ctx, mission, sim, ping, tolerance_db, out);
+    asdic_status status = look(ctx, mission, sim, ping, tolerance, out);
     asdic_ping_destroy(&ping);
     return status;
 }
 
 static asdic_status try_rays(asdic_context *ctx, asdic_mission *mission, asdic_device *device,
-                             double tolerance_db, asdic_ray_budget *out) {
+                             const asdic_tolerance *tolerance, asdic_ray_budget *out) {
     asdic_sampling sampling = *asdic_mission_sampling(mission);
     sampling.rays = out->rays;
     asdic_simulator *sim = NULL;
@@ -143,7 +176,7 @@ static asdic_status try_rays(asdic_context *ctx, asdic_mission *mission, asdic_d
     TRY(asdic_simulator_create(ctx, device, asdic_mission_scene(mission),
                                asdic_mission_environment(mission), asdic_mission_sonar(mission),
                                &sampling, depth_m, &sim));
-    asdic_status status = look_with(ctx, mission, sim, tolerance_db, out);
+    asdic_status status = look_with(ctx, mission, sim, tolerance, out);
     asdic_simulator_destroy(&sim);
     return status;
 }
@@ -176,7 +209,7 @@ asdic_status asdic_mission_find_rays(asdic_context *ctx, asdic_mission *mission,
     uint32_t most = tolerance->most_rays;
     *out = (asdic_ray_budget){.rays = sampling->rays};
     for (;;) {
-        TRY(try_rays(ctx, mission, device, tolerance->stderr_db, out));
+        TRY(try_rays(ctx, mission, device, tolerance, out));
         out->is_kept = is_kept(out, tolerance->share);
         if (out->is_kept || out->judged == 0 || out->rays >= most) {
             break;

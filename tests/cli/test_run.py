@@ -540,12 +540,43 @@ def test_tolerance_finds_rays():
         rays = facts(folder, "fine")["rays"]
         if not (rays > 64 and f"tolerance 0.5 dB: {rays} rays per ping" in done.err):
             raise AssertionError((rays, done.err))
-        tap.contains(done.err, "keep it in 100 % of bins")
+        kept = float(re.search(r"keep it in ([\d.]+) % of bins", done.err).group(1))
+        tap.equal(kept >= 99, True, done.err)
         asdic("run", folder / "pool.yaml", "--rays", rays, "-o", "same",
               cwd=folder.path).check(code=0)
         tap.equal(data(folder, "fine", "bins.csv") == data(folder, "same", "bins.csv"), True, "bins")
         asdic("run", folder / "pool.yaml", "--tolerance", 0, "-o", "none",
               cwd=folder.path).check(code=2, out="")
+
+
+def test_a_tolerance_is_kept_by_the_mission():
+    """Also towards its end, where a hull comes near that the first ping does not hear."""
+    program.need_device()
+    with Folder() as folder:
+        path = folder.write("hull.yaml", """version: 1
+bottom: {depth_m: 25, type: sand}
+objects:
+  - {name: hull, cylinder: {radius_m: 4, length_m: 40}, position_m: [70, 5, 22], rotation_deg: [0, 0, 60],
+     material: {preset: steel, roughness_rms_mm: 3, slope_rms: 0.3}}
+sonar:
+  {frequency_khz: 180, ping_rate_hz: 0.5, max_range_m: 40, bin_length_m: 0.25, source_level_db: 205,
+   receivers: {fan: {count: 7, sector_deg: 70, length_h_m: 0.04, length_v_m: 0.03}}}
+mission: {waypoints: {points_m: [[0, 0, 12], [55, 0, 12]], speed_mps: 1.2}}
+output: {images: []}
+""")
+        done = asdic("run", path, "--rays", 4000, "--tolerance", 1, "--tolerance-percent", 95, "-o",
+                     folder / "r").check(code=0)
+        said = re.search(r"keep it in ([\d.]+) % of bins, worst bin ([\d.]+) dB", done.err)
+        echoes = ("bottom", "surface", "volume", "object", "multipath")
+        errors = []
+        for row in csv.DictReader(data(folder, "r", "bins.csv").decode().splitlines()):
+            echo = sum(10 ** (float(row[f"{name}_db"]) / 10) for name in echoes if row[f"{name}_db"])
+            if echo > 0 and echo >= 10 ** (float(row["noise_db"]) / 10):
+                errors.append(float(row["stderr_db"]))
+        kept = 100 * sum(error <= 1 for error in errors) / len(errors)
+        tap.equal(abs(kept - float(said.group(1))) < 1 and kept > 94.5, True, f"{kept} % keep it; {done.err}")
+        tap.equal(float(said.group(2)) <= max(errors) + 0.006, True, f"{max(errors)} dB; {done.err}")
+        tap.contains(done.err, "dB, in the 16 of 23 pings looked at")
 
 
 def test_tolerance_is_for_a_share_of_the_bins():
@@ -564,7 +595,8 @@ def test_tolerance_is_for_a_share_of_the_bins():
             share = int(rough.group(1)) / int(rough.group(2)) if rough else 0
             tap.equal(abs(float(said.group(2)) - 100 * (1 - share)) < 0.006, True, done.err)
             tap.contains(done.err, "3 pings take about ")
-            tap.equal("stay above 0.5 dB; the roughest:\n  ping 0, beam '" in done.err,
+            tap.contains(done.err, "in the 3 of 3 pings looked at")
+            tap.equal(bool(re.search(r"stay above 0.5 dB; the roughest:\n  ping [012], beam '", done.err)),
                       percent == 50, done.err)
         tap.equal(rays[50] < rays[100], True, rays)
         asdic("run", path, "--tolerance-percent", 50, "-o", folder / "no").check(code=2, out="")
@@ -578,8 +610,8 @@ def test_tolerance_needs_a_bin_and_an_error():
                              "source_level_db: 20, receivers: [{name: a}]}\nmission: {pose: {position_m: [0, 0, 7]}}\n"
                              "output: {images: []}\n")
         done = asdic("run", quiet, "--rays", 64, "--tolerance", 0.5, "-o", folder / "r").check(code=0)
-        tap.contains(done.err, "tolerance 0.5 dB: no bin is above the noise in 1 ping looked at, so that none can keep it; "
-                               "the 64 rays per ping stay as they are")
+        tap.contains(done.err, "tolerance 0.5 dB: no bin is above the noise in the 1 of 1 pings looked at, so that none can keep "
+                               "it; the 64 rays per ping stay as they are")
         tap.lacks(done.err, "100 %")
         tap.equal(facts(folder, "r")["rays"], 64)
         text = folder.read("quiet.yaml").replace("receivers: [{name: a}]", "array: {elements: 8, beams: {count: 3, sector_deg: 30}}")

@@ -3,6 +3,8 @@
 #include "asserts.h"
 #include "test_device.h"
 
+#include "lib/mission/mission.h"
+
 #include <asdic/asdic.h>
 
 #include <stdlib.h>
@@ -33,10 +35,11 @@ static int rougher_first(const void *a, const void *b) {
     return (x->stderr_db < y->stderr_db) - (x->stderr_db > y->stderr_db);
 }
 
-enum { MOST_BINS = 4096 };
+enum { MOST_BINS = 16384 };
 static asdic_rough_bin all[MOST_BINS];
 
-/* The bins of pings NUMBERS that count with RAYS, the roughest first; their number. */
+/* The bins of pings NUMBERS that count with RAYS, each learnt where the mission learns, the roughest first; their
+ * number. */
 static size_t judge(const asdic_mission *m, uint32_t rays, const size_t *numbers, size_t pings) {
     asdic_sampling sampling = *asdic_mission_sampling((asdic_mission *)(uintptr_t)m);
     asdic_simulator *sim = NULL;
@@ -49,8 +52,10 @@ static size_t judge(const asdic_mission *m, uint32_t rays, const size_t *numbers
                                      &sampling, asdic_mission_pose(m, 0, NULL).position_m.z, &sim));
     assert_ok(t.ctx, asdic_ping_create(t.ctx, 2, asdic_simulator_bin_count(sim), &ping));
     for (size_t k = 0; k < pings; k++) {
-        asdic_pose pose = asdic_mission_pose(m, numbers[k], NULL);
-        assert_ok(t.ctx, asdic_simulator_learn(sim, &pose, numbers[k]));
+        size_t together, lesson = asdic_mission_lesson(m, numbers[k], 1, &together);
+        asdic_pose pose = asdic_mission_pose(m, lesson, NULL);
+        assert_ok(t.ctx, asdic_simulator_learn(sim, &pose, lesson));
+        pose = asdic_mission_pose(m, numbers[k], NULL);
         assert_ok(t.ctx, asdic_simulator_ping(sim, &pose, numbers[k], ping));
         for (size_t i = 0; i < 2 * ping->bins; i++) {
             double noise = ping->intensity_lin[ASDIC_NOISE][i];
@@ -96,8 +101,10 @@ static void assert_budget(const asdic_ray_budget *b, double tolerance_db, size_t
 }
 
 /* Of a mission of LENGTH_M m, 20 pings a metre. */
-static void assert_looks_at(double length_m, const size_t *numbers, size_t pings) {
+static void assert_looks_at(double length_m, size_t all_pings, const size_t *numbers,
+                            size_t pings) {
     asdic_mission *m = load(0.0, "false", length_m);
+    assert_int_equal(asdic_mission_ping_count(m), all_pings);
     asdic_ray_budget budget;
     asdic_tolerance tolerance = {.stderr_db = 3.0, .share = 1.0, .most_rays = 400};
     assert_ok(t.ctx, asdic_mission_find_rays(t.ctx, m, t.device, &tolerance, &budget));
@@ -109,34 +116,41 @@ static void assert_looks_at(double length_m, const size_t *numbers, size_t pings
     asdic_mission_destroy(&m);
 }
 
+/* Of 22 pings. */
+static const size_t looked_at[16] = {0, 1, 2, 4, 5, 6, 8, 9, 11, 12, 13, 15, 16, 17, 19, 21};
+
+/* One in each sixteenth of the mission, at any place in a block of 32; the first and the last. */
 static void pings_are_spread_over_the_mission(void **state) {
     (void)state;
-    assert_looks_at(1.0, (const size_t[]){0}, 1);                /* 22 pings: a block */
-    assert_looks_at(1.5, (const size_t[]){0}, 1);                /* 32: a whole block */
-    assert_looks_at(3.5, (const size_t[]){0, 32, 64}, 3);        /* 72 */
-    assert_looks_at(10.0, (const size_t[]){0, 64, 128, 192}, 4); /* 202: seven blocks */
+    assert_looks_at(0.2, 6, (const size_t[]){0, 1, 2, 3, 4, 5}, 6);
+    assert_looks_at(1.0, 22, looked_at, 16);
+    assert_looks_at(
+        1.5, 32, (const size_t[]){0, 3, 4, 7, 8, 10, 13, 14, 17, 19, 20, 23, 24, 26, 29, 31}, 16);
+    assert_looks_at(
+        10.0, 210,
+        (const size_t[]){0, 21, 29, 50, 58, 66, 87, 95, 117, 125, 133, 154, 162, 170, 191, 209},
+        16);
 }
 
 /* Doubled until a share of the bins is exact enough; the last step ends at the most that may be. */
 static void rays_double_until_they_suffice(void **state) {
     (void)state;
-    static const size_t first[] = {0};
     asdic_mission *m = load(0.0, "false", 1.0);
     asdic_ray_budget budget;
-    size_t count = judge(m, 1600, first, 1), rough = 0;
+    size_t count = judge(m, 1600, looked_at, 16), rough = 0;
     double tolerance_db = all[count / 4].stderr_db; /* a quarter of the bins is rougher */
     while (all[rough].stderr_db > tolerance_db) {
         rough++;
     }
     double share = 1.0 - ((double)rough + 0.5) / (double)count;
-    judge(m, 800, first, 1);
+    judge(m, 800, looked_at, 16);
     assert_true(all[rough].stderr_db > tolerance_db); /* half as many do not suffice */
     asdic_tolerance tolerance = {tolerance_db, share, 100000};
     assert_ok(t.ctx, asdic_mission_find_rays(t.ctx, m, t.device, &tolerance, &budget));
     assert_int_equal(budget.rays, 1600);
     assert_true(budget.is_kept);
     assert_int_equal(asdic_mission_sampling(m)->rays, 1600);
-    assert_budget(&budget, tolerance_db, judge(m, 1600, first, 1));
+    assert_budget(&budget, tolerance_db, judge(m, 1600, looked_at, 16));
 
     asdic_mission_sampling(m)->rays = 400;
     tolerance.share = share + 1.0 / (double)count; /* one bin more */
@@ -155,13 +169,12 @@ static void rays_double_until_they_suffice(void **state) {
 /* Bins whose echo is below the noise do not count. */
 static void the_noise_hides_bins(void **state) {
     (void)state;
-    static const size_t first[] = {0};
     asdic_mission *m = load(160.0, "true", 1.0);
     asdic_ray_budget budget;
     asdic_tolerance tolerance = {.stderr_db = 3.0, .share = 1.0, .most_rays = 400};
-    size_t count = judge(m, 400, first, 1);
+    size_t count = judge(m, 400, looked_at, 16);
     print_message("%zu bins count\n", count);
-    assert_true(count > 20 && count < 130);
+    assert_true(count > 16 * 20 && count < 16 * 130);
     assert_ok(t.ctx, asdic_mission_find_rays(t.ctx, m, t.device, &tolerance, &budget));
     assert_budget(&budget, 3.0, count);
     asdic_mission_destroy(&m);

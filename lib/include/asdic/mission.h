@@ -321,7 +321,7 @@ typedef struct asdic_tolerance {
 typedef struct asdic_ray_budget {
     uint32_t rays;      /* per ping */
     bool is_kept;       /* false: most_rays do not keep the tolerance, or no bin counts */
-    size_t pings;       /* looked at: spread over the mission, whatever part of it is run */
+    size_t pings;       /* looked at, 16 at most: spread over the mission, whatever part is run */
     double worst_db;    /* largest stated error in a bin that counts */
     double ping_s;      /* what the quickest of them took, one device at work and nothing learnt */
     double learn_s;     /* and the quickest learning, once in ASDIC_LEARN_BLOCK pings */

@@ -42,7 +42,8 @@ def _keep_tolerance(context: Context, mission: Handle, devices: Handle, toleranc
     if budget.judged == 0:
         warn(f"no bin is above the noise, so that none can keep {tolerance_db:g} dB; the {budget.rays} rays a ping stay")
     elif not budget.is_kept:
-        warn(f"{budget.rough_count} of {budget.judged} bins stay above {tolerance_db:g} dB with {budget.rays} rays a ping")
+        warn(f"{budget.rough_count} of {budget.judged} bins, in the {budget.pings} pings looked at, stay above {tolerance_db:g} dB "
+             f"with {budget.rays} rays a ping")
 
 
 def _kept(scene: SceneLike, folder: Folder, force: bool, resume: bool) -> SceneLike:
