@@ -2,8 +2,9 @@
  * A trial as a whole: runs dealt to workers, rows taken in order.
  *
  * A run costs seconds and nothing it needs is shared but the scene file, so that workers ask for one
- * run of one variant at a time. Several processes (a team) fly a part each and the first one joins
- * them, as `merge` does.
+ * run of one variant at a time. Several processes (a team) fly a part each, in folders of their own
+ * which are named by its runs, and the first one joins them. What was stopped goes on with the rows
+ * of all such folders, however many processes it has now.
  */
 #include "trial_folder.h"
 #include "trial_run.h"
@@ -18,6 +19,7 @@
 #include "mission/scene_inputs.h"
 #include "out/file.h"
 
+#include <dirent.h>
 #include <errno.h>
 #include <math.h>
 #include <pthread.h>
@@ -36,7 +38,8 @@ typedef struct flown {
 
 typedef struct fleet {
     asdic_context *ctx;
-    const asdic_trial_options *options;
+    const asdic_trial_options *options, *whole; /* of this process's part, and of all */
+    const trial_facts *facts;                   /* of the part */
     uint64_t first,
         jobs; /* of this part: run and variant of job j are first + j / variants, j % variants */
     asdic_device **devices;
@@ -46,8 +49,7 @@ typedef struct fleet {
     pthread_mutex_t lock; /* guards what follows */
     uint64_t next, taken; /* job to be dealt, row to be written */
     uint64_t pings;
-    flown *rows; /* of jobs from `begin` on */
-    uint64_t begin;
+    flown *rows; /* of all jobs; an earlier call's are there before any is dealt */
     asdic_status status;
     char why[512]; /* with it */
 } fleet;
@@ -111,8 +113,8 @@ static asdic_status fly(worker *w, uint64_t job, asdic_text *row, uint64_t *ping
 /* Writes the rows whose turn it is; the lock is held. */
 static void take_rows(fleet *f) {
     int error = 0;
-    while (f->taken < f->jobs && f->rows[f->taken - f->begin].row) {
-        flown *r = &f->rows[f->taken++ - f->begin];
+    while (f->taken < f->jobs && f->rows[f->taken].row) {
+        flown *r = &f->rows[f->taken++];
         f->pings += r->pings;
         if (fputs(r->row, f->out) < 0) {
             error = errno;
@@ -132,12 +134,20 @@ static void take_rows(fleet *f) {
     }
 }
 
+/* The next job without a row, of `jobs` when there is none; the lock is held. */
+static uint64_t deal(fleet *f) {
+    f->next = f->next < f->taken ? f->taken : f->next;
+    while (f->next < f->jobs && f->rows[f->next].row) {
+        f->next++;
+    }
+    return f->next < f->jobs ? f->next++ : f->jobs;
+}
+
 static void *work(void *argument) {
     worker *w = argument;
     fleet *f = w->fleet;
     pthread_mutex_lock(&f->lock);
-    while (!f->status && f->next < f->jobs) {
-        uint64_t job = f->next++;
+    for (uint64_t job; !f->status && (job = deal(f)) < f->jobs;) {
         pthread_mutex_unlock(&f->lock);
         asdic_text row = {0};
         uint64_t pings = 0;
@@ -153,7 +163,7 @@ static void *work(void *argument) {
             asdic_context_copy_error(f->ctx, f->why, sizeof f->why);
         }
         if (!status) {
-            f->rows[job - f->begin] = (flown){asdic_text_take(&row), pings};
+            f->rows[job] = (flown){asdic_text_take(&row), pings};
             take_rows(f);
         }
         asdic_text_finish(&row);
@@ -164,9 +174,7 @@ static void *work(void *argument) {
 
 static asdic_status work_all(fleet *f) {
     worker *workers = calloc(f->worker_count, sizeof *workers);
-    f->rows = calloc(f->jobs - f->begin + 1, sizeof *f->rows);
-    if (!workers || !f->rows) {
-        free(workers);
+    if (!workers) {
         return asdic_fail_memory(f->ctx, "a trial");
     }
     for (size_t i = 0; i < f->worker_count; i++) {
@@ -296,10 +304,11 @@ static asdic_status check(asdic_context *ctx, asdic_trial_options *o) {
 
 /* --- the folder -------------------------------------------------------------------------------- */
 
-/* Removes a complete trial; trial.json, by which it is one, first. */
-static void remove_whole(const char *folder) {
-    static const char *const names[] = {"trial.json", "trial.csv", "trial.png", NULL};
-    for (int i = 0; names[i]; i++) {
+/* Removes a complete trial; trial.json, by which it is one, first. Also one UNDER_WAY. */
+static void remove_files(const char *folder, bool under_way) {
+    static const char *const names[] = {"trial.json",     "trial.csv",       "trial.png",
+                                        "trial.part.csv", "trial.part.json", "trial.part.csv.part"};
+    for (int i = 0; i < (under_way ? 6 : 3); i++) {
         char *path = asdic_trial_path(folder, names[i]);
         if (path) {
             unlink(path);
@@ -308,31 +317,20 @@ static void remove_whole(const char *folder) {
     }
 }
 
-/* Reads what an earlier call left, under way when PART: it must be of the same trial. */
-static asdic_status read_same(asdic_context *ctx, const asdic_trial_options *o,
-                              const trial_facts *facts, bool part, asdic_trial **out) {
-    TRY(asdic_trial_read(ctx, o->folder, part, out));
+/* Reads what an earlier call left of COUNT runs from FIRST on, under way when PART: it must be of the trial of
+ * FACTS. */
+static asdic_status read_same(asdic_context *ctx, const char *folder, const trial_facts *facts,
+                              uint64_t first, uint64_t count, bool part, asdic_trial **out) {
+    TRY(asdic_trial_read(ctx, folder, part, out));
     const trial_facts *before = &(*out)->facts;
-    if (asdic_trial_is_same(facts, before) && facts->first == before->first &&
-        facts->count == before->count) {
+    if (asdic_trial_is_same(facts, before) && first == before->first && count == before->count) {
         return ASDIC_OK;
     }
     asdic_trial_close(out);
     return asdic_fail(ctx, ASDIC_ERROR_EXISTS,
                       "%s holds another trial: scene or its files, seed, runs, rays, rule or "
                       "variants differ; --force replaces it",
-                      o->folder);
-}
-
-/* The rows that an earlier call left, cut behind the last whole one; *DONE of them. */
-static asdic_status go_on(asdic_context *ctx, const asdic_trial_options *o,
-                          const trial_facts *facts, uint64_t *done, asdic_text *rows) {
-    asdic_trial *before = NULL;
-    TRY(read_same(ctx, o, facts, true, &before));
-    *done = before->row_count;
-    asdic_text_add(rows, before->body);
-    asdic_trial_close(&before);
-    return ASDIC_OK;
+                      folder);
 }
 
 /* Whether nothing is left to be flown, since the folder holds the whole trial; it may be there only
@@ -346,40 +344,141 @@ static asdic_status look_for_whole(asdic_context *ctx, const asdic_trial_options
         return asdic_fail(ctx, ASDIC_ERROR_EXISTS, "'%s' holds a trial; --force replaces it",
                           o->folder);
     }
-    asdic_status status = *is_there ? read_same(ctx, o, facts, false, &whole) : ASDIC_OK;
+    asdic_status status =
+        *is_there ? read_same(ctx, o->folder, facts, facts->first, facts->count, false, &whole)
+                  : ASDIC_OK;
     asdic_trial_close(&whole);
     return status;
 }
 
-/* Flies what is left of the part that F's options say. */
-static asdic_status fly_part(fleet *f, const trial_facts *facts, const asdic_text *header) {
+/* --- what earlier calls left -------------------------------------------------------------------- */
+
+/* The folder in which a process of a team flies runs FIRST to END - 1. */
+static char *part_folder(const char *folder, uint64_t first, uint64_t end) {
+    char *path = NULL;
+    return asprintf(&path, "%s/part_%llu_%llu", folder, (unsigned long long)first,
+                    (unsigned long long)end) < 0
+               ? NULL
+               : path;
+}
+
+/* A folder with rows of runs FIRST to END - 1. */
+typedef asdic_status (*part_visit)(fleet *f, const char *folder, uint64_t first, uint64_t end);
+
+/* Calls VISIT for all part folders that begin with a run of F's part, or also those that overlap it. */
+static asdic_status visit_parts(fleet *f, bool overlap, part_visit visit) {
+    DIR *all = opendir(f->whole->folder);
+    asdic_status status = ASDIC_OK;
+    uint64_t own_end = f->first + f->options->count;
+    for (struct dirent *entry; !status && all && (entry = readdir(all));) {
+        unsigned long long first, end;
+        int length = 0;
+        if (sscanf(entry->d_name, "part_%llu_%llu%n", &first, &end, &length) != 2 ||
+            entry->d_name[length] || first >= own_end ||
+            (overlap ? end <= f->first : first < f->first)) {
+            continue;
+        }
+        char *path = asdic_trial_path(f->whole->folder, entry->d_name);
+        status = path ? visit(f, path, first, end) : asdic_fail_memory(f->ctx, "a path");
+        free(path);
+    }
+    if (all) {
+        closedir(all);
+    }
+    return status;
+}
+
+/* The file FOLDER/trial.part.csv must not be one that another process writes to. */
+static asdic_status check_idle(asdic_context *ctx, const char *folder) {
+    char *csv = asdic_trial_path(folder, "trial.part.csv");
+    asdic_status status = !csv                               ? asdic_fail_memory(ctx, "a path")
+                          : asdic_file_is_being_written(csv) ? asdic_file_fail(ctx, csv, EBUSY)
+                                                             : ASDIC_OK;
+    free(csv);
+    return status;
+}
+
+static asdic_status remove_part(fleet *f, const char *folder, uint64_t first, uint64_t end) {
+    (void)first;
+    (void)end;
+    TRY(check_idle(f->ctx, folder));
+    remove_files(folder, true);
+    rmdir(folder);
+    return ASDIC_OK;
+}
+
+static asdic_status keep_rows(fleet *f, const asdic_trial *before) {
+    size_t variants = f->options->variants.count;
+    const char *at = before->body;
+    for (size_t i = 0; i < before->row_count; i++) {
+        const trial_row *row = &before->rows[i];
+        const char *next = strchr(at, '\n') + 1;
+        uint64_t job = (row->run - f->first) * variants + row->variant;
+        if (row->run >= f->first && job < f->jobs && !f->rows[job].row) {
+            f->rows[job].row = strndup(at, (size_t)(next - at));
+            if (!f->rows[job].row) {
+                return asdic_fail_memory(f->ctx, "a row");
+            }
+        }
+        at = next;
+    }
+    return ASDIC_OK;
+}
+
+/* Keeps the rows in FOLDER that are of F's part. */
+static asdic_status find_rows(fleet *f, const char *folder, uint64_t first, uint64_t end) {
+    asdic_trial *before = NULL;
+    bool is_part = asdic_trial_has(folder, "trial.part.csv");
+    if (!is_part && !asdic_trial_has(folder, "trial.json")) {
+        return ASDIC_OK;
+    }
+    TRY(check_idle(f->ctx, folder));
+    if (!f->options->resume) {
+        return asdic_fail(f->ctx, ASDIC_ERROR_EXISTS,
+                          "'%s' holds a trial that was stopped; --resume goes on, --force begins "
+                          "anew",
+                          f->whole->folder);
+    }
+    TRY(read_same(f->ctx, folder, f->facts, first, end - first, is_part, &before));
+    asdic_status status = keep_rows(f, before);
+    asdic_trial_close(&before);
+    return status;
+}
+
+static asdic_status find_all_rows(fleet *f) {
+    const asdic_trial_options *whole = f->whole;
+    if (asdic_trial_has(whole->folder, "trial.part.csv")) {
+        TRY(find_rows(f, whole->folder, whole->first, whole->first + whole->count));
+    }
+    return visit_parts(f, true, find_rows);
+}
+
+/* --- a part ------------------------------------------------------------------------------------- */
+
+/* Moves the rows before the first job that is left to be flown to ROWS. */
+static void take_first_rows(fleet *f, asdic_text *rows) {
+    for (; f->taken < f->jobs && f->rows[f->taken].row; f->taken++) {
+        asdic_text_add(rows, f->rows[f->taken].row);
+        free(f->rows[f->taken].row);
+        f->rows[f->taken].row = NULL;
+    }
+}
+
+static asdic_status fly_rest(fleet *f, const asdic_text *header) {
     const asdic_trial_options *o = f->options;
     asdic_text rows = {0};
-    asdic_status status = ASDIC_OK;
-    bool is_whole = false, goes_on = false;
+    if (o->force) { /* what is there must not pass for what is begun */
+        remove_files(o->folder, false);
+        TRY(visit_parts(f, false, remove_part));
+    } else {
+        TRY(find_all_rows(f));
+    }
     if (mkdir(o->folder, 0777) != 0 && errno != EEXIST) {
         return asdic_file_fail(f->ctx, o->folder, errno);
     }
-    TRY(look_for_whole(f->ctx, o, facts, &is_whole));
-    if (is_whole) {
-        return ASDIC_OK;
-    }
-    if (o->force) { /* what is there must not pass for what is begun */
-        remove_whole(o->folder);
-    } else if (asdic_trial_has(o->folder, "trial.part.csv")) {
-        goes_on = o->resume;
-        status = o->resume ? go_on(f->ctx, o, facts, &f->begin, &rows)
-                           : asdic_fail(f->ctx, ASDIC_ERROR_EXISTS,
-                                        "'%s' holds a trial that was stopped; --resume goes on, "
-                                        "--force begins anew",
-                                        o->folder);
-    }
-    f->first = o->first;
-    f->jobs = o->count * o->variants.count;
-    f->next = f->taken = f->begin;
-    if (!status) {
-        status = asdic_trial_begin(f->ctx, o->folder, facts, header, &rows, goes_on, &f->out);
-    }
+    take_first_rows(f, &rows);
+    asdic_status status =
+        asdic_trial_begin(f->ctx, o->folder, f->facts, header, &rows, o->resume, &f->out);
     asdic_text_finish(&rows);
     TRY(status);
     status = work_all(f);
@@ -392,12 +491,28 @@ static asdic_status fly_part(fleet *f, const trial_facts *facts, const asdic_tex
     return asdic_trial_settle(f->ctx, o->folder);
 }
 
-/* --- several processes ------------------------------------------------------------------------- */
-
-static char *part_folder(const char *folder, unsigned rank) {
-    char *path = NULL;
-    return asprintf(&path, "%s/part_%u", folder, rank) < 0 ? NULL : path;
+/* Flies what is left of the part that F's options say. */
+static asdic_status fly_part(fleet *f, const trial_facts *facts, const asdic_text *header) {
+    const asdic_trial_options *o = f->options;
+    bool is_there = false;
+    f->facts = facts;
+    f->first = o->first;
+    f->jobs = o->count * o->variants.count;
+    f->next = f->taken = 0;
+    TRY(look_for_whole(f->ctx, o, facts, &is_there));
+    if (!is_there) {
+        f->rows = calloc(f->jobs, sizeof *f->rows);
+        asdic_status status = f->rows ? fly_rest(f, header) : asdic_fail_memory(f->ctx, "a trial");
+        for (uint64_t i = 0; f->rows && i < f->jobs; i++) {
+            free(f->rows[i].row);
+        }
+        free(f->rows);
+        TRY(status);
+    }
+    return o->folder == f->whole->folder ? visit_parts(f, false, remove_part) : ASDIC_OK;
 }
+
+/* --- several processes ------------------------------------------------------------------------- */
 
 /* Waits until each of the others has said how it fared: by its result, or by why it takes no part. What it says
  * after that is no news. */
@@ -437,32 +552,9 @@ static asdic_status hear_all(asdic_context *ctx, asdic_team *team) {
     return status;
 }
 
-static asdic_status join_parts(asdic_context *ctx, const asdic_trial_options *o) {
-    unsigned size = o->team->size;
-    char **parts = calloc(size, sizeof *parts);
-    asdic_status status = parts ? ASDIC_OK : asdic_fail_memory(ctx, "a team");
-    for (unsigned i = 0; !status && i < size; i++) {
-        parts[i] = part_folder(o->folder, i);
-        status = parts[i] ? ASDIC_OK : asdic_fail_memory(ctx, "a team");
-    }
-    if (!status) {
-        status = asdic_trial_merge(ctx, (const char *const *)parts, size, o->folder,
-                                   o->force || o->resume);
-    }
-    for (unsigned i = 0; parts && i < size; i++) {
-        if (!status) {
-            remove_whole(parts[i]);
-            rmdir(parts[i]);
-        }
-        free(parts[i]);
-    }
-    free(parts);
-    return status;
-}
-
 /* This process's part in a folder of its own; process 0 joins them all. */
 static asdic_status fly_in_team(fleet *f, trial_facts *facts, const asdic_text *header) {
-    const asdic_trial_options *whole = f->options;
+    const asdic_trial_options *whole = f->whole;
     asdic_team *team = whole->team;
     asdic_trial_options mine = *whole;
     uint64_t from = whole->count * team->rank / team->size;
@@ -473,18 +565,19 @@ static asdic_status fly_in_team(fleet *f, trial_facts *facts, const asdic_text *
     }
     TRY(look_for_whole(f->ctx, whole, facts, &is_whole));
     if (is_whole) {
-        return ASDIC_OK;
+        return team->rank == 0 ? fly_part(f, facts, header) : ASDIC_OK;
     }
     if (whole->count < team->size) {
         return asdic_fail(f->ctx, ASDIC_ERROR_ARGUMENT, "%llu runs for %u processes",
                           (unsigned long long)whole->count, team->size);
     }
     if (whole->force && team->rank == 0) {
-        remove_whole(whole->folder);
+        TRY(check_idle(f->ctx, whole->folder));
+        remove_files(whole->folder, true);
     }
     mine.first = facts->first = whole->first + from;
     mine.count = facts->count = to - from;
-    mine.folder = part_folder(whole->folder, team->rank);
+    mine.folder = part_folder(whole->folder, mine.first, mine.first + mine.count);
     if (!mine.folder) {
         return asdic_fail_memory(f->ctx, "a team");
     }
@@ -500,8 +593,16 @@ static asdic_status fly_in_team(fleet *f, trial_facts *facts, const asdic_text *
         return status ? status : sent;
     }
     asdic_status others = hear_all(f->ctx, team);
-    status = status ? status : others;
-    return status ? status : join_parts(f->ctx, whole);
+    TRY(status ? status : others);
+    asdic_trial_options all = *whole; /* whose rows are all there */
+    all.force = false;
+    all.resume = true;
+    facts->first = whole->first;
+    facts->count = whole->count;
+    f->options = &all;
+    status = fly_part(f, facts, header);
+    f->options = whole;
+    return status;
 }
 
 /* --- the calls --------------------------------------------------------------------------------- */
@@ -521,7 +622,7 @@ asdic_status asdic_trial_fly(asdic_context *ctx, asdic_device **devices, size_t 
     asdic_text header = {0};
     bool is_ideal = false;
     TRY(check(ctx, &o));
-    fleet f = {.ctx = ctx, .options = &o, .lock = PTHREAD_MUTEX_INITIALIZER};
+    fleet f = {.ctx = ctx, .options = &o, .whole = &o, .lock = PTHREAD_MUTEX_INITIALIZER};
     asdic_status status = describe(ctx, &o, &facts, &header, &is_ideal, f.scene_hash);
     if (!status && !is_ideal && device_count == 0) {
         status = asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "a trial that pings needs a device");
@@ -531,10 +632,6 @@ asdic_status asdic_trial_fly(asdic_context *ctx, asdic_device **devices, size_t 
     if (!status) {
         status = o.team ? fly_in_team(&f, &facts, &header) : fly_part(&f, &facts, &header);
     }
-    for (uint64_t i = 0; f.rows && i < f.jobs - f.begin; i++) {
-        free(f.rows[i].row);
-    }
-    free(f.rows);
     pthread_mutex_destroy(&f.lock);
     asdic_trial_facts_finish(&facts);
     asdic_text_finish(&header);

@@ -16,6 +16,11 @@ static int by_first(const void *pa, const void *pb) {
     return a->facts.first < b->facts.first ? -1 : a->facts.first > b->facts.first;
 }
 
+static asdic_status fail_missing(asdic_context *ctx, uint64_t first, uint64_t end) {
+    return asdic_fail(ctx, ASDIC_ERROR_INPUT, "runs %llu to %llu are in no part",
+                      (unsigned long long)first, (unsigned long long)(end - 1));
+}
+
 static asdic_status check_parts(asdic_context *ctx, asdic_trial **parts, size_t count) {
     for (size_t i = 1; i < count; i++) {
         const trial_facts *a = &parts[i - 1]->facts, *b = &parts[i]->facts;
@@ -26,15 +31,20 @@ static asdic_status check_parts(asdic_context *ctx, asdic_trial **parts, size_t 
                 "rays, rule or variants differ");
         }
         uint64_t end = a->first + a->count, own_end = b->first + b->count;
-        if (b->first != end) {
-            bool is_gap = b->first > end;
-            uint64_t behind = is_gap ? b->first : end < own_end ? end : own_end;
-            return asdic_fail(ctx, ASDIC_ERROR_INPUT, "runs %llu to %llu are in %s",
-                              (unsigned long long)(is_gap ? end : b->first),
-                              (unsigned long long)(behind - 1), is_gap ? "no part" : "two parts");
+        if (b->first > end) {
+            return fail_missing(ctx, end, b->first);
+        }
+        if (b->first < end) {
+            uint64_t behind = end < own_end ? end : own_end;
+            return asdic_fail(ctx, ASDIC_ERROR_INPUT, "runs %llu to %llu are in two parts",
+                              (unsigned long long)b->first, (unsigned long long)(behind - 1));
         }
     }
-    return ASDIC_OK;
+    const trial_facts *first = &parts[0]->facts, *last = &parts[count - 1]->facts;
+    uint64_t end = last->first + last->count;
+    return first->first > 0   ? fail_missing(ctx, 0, first->first)
+           : end < last->runs ? fail_missing(ctx, end, last->runs)
+                              : ASDIC_OK;
 }
 
 static asdic_status write_parts(asdic_context *ctx, asdic_trial **parts, size_t count,

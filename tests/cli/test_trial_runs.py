@@ -4,6 +4,7 @@ import csv
 import json
 import math
 import os
+import re
 import resource
 import shutil
 import subprocess
@@ -73,6 +74,9 @@ def test_the_same_bytes_however_dealt():
             tap.contains(done.err, "holds another trial")
         done = asdic("merge", folder / "part1", folder / "part3", "-o", folder / "gap").check(code=3)
         tap.contains(done.err, "runs 6 to 12 are in no part")
+        for some, lacking in (("23", "0 to 5"), ("12", "13 to 19")):
+            done = asdic("merge", *(folder / f"part{k}" for k in some), "-o", folder / "gap").check(code=3)
+            tap.contains(done.err, f"runs {lacking} are in no part")
         asdic("trial", path, "--runs", 20, "-o", folder / "whole").check(code=1)
 
 
@@ -217,6 +221,18 @@ def test_several_processes():
         for name in ("trial.csv", "trial.json", "trial.png"):
             tap.equal(data(folder, "team", name), data(folder, "alone", name), name)
         tap.equal(sorted(os.listdir(folder / "team")), ["trial.csv", "trial.json", "trial.png"])
+        # What two processes left goes on with three: the part has a row that none of them would fly.
+        os.mkdir(folder / "team2")
+        asdic("trial", path, "--runs", 11, "--shard", "2/2", "-o", folder / "team2/part_5_11").check(code=0)
+        folder.write("team2/part_5_11/trial.csv", re.sub(r"^9,0,.*", "9,0,clear,,,7,7,7,7,0,0,",
+                                                         folder.read("team2/part_5_11/trial.csv"), flags=re.MULTILINE))
+        done = subprocess.run(["mpirun", "-n", "3", "--bind-to", "none", "--oversubscribe", program.PATH,
+                               "trial", path, "--runs", "11", "--resume", "-o", folder / "team2"], check=False,
+                              capture_output=True, timeout=100, env=program.environment(root))
+        tap.equal(done.returncode, 0, done.stderr)
+        flown, alone = (folder.read(name + "/trial.csv").splitlines() for name in ("team2", "alone"))
+        tap.equal(flown, [*alone[:10], "9,0,clear,,,7,7,7,7,0,0,", alone[11]], "rows")
+        tap.equal(sorted(os.listdir(folder / "team2")), ["trial.csv", "trial.json", "trial.png"])
         # A run again is one process's: the others, here in a folder of their own, write nothing.
         os.mkdir(folder / "other")
         apart = f'cd {folder.path} && test "$OMPI_COMM_WORLD_RANK" = 0 || cd other; exec {program.PATH} "$@"'

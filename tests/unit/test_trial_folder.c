@@ -13,6 +13,7 @@
 
 #include <asdic/output.h>
 
+#include <dirent.h>
 #include <fcntl.h>
 #include <math.h>
 #include <stdatomic.h>
@@ -544,11 +545,30 @@ static void parts_of_one_trial(void **state) {
     asdic_trial_close(&b);
 }
 
+/* The same row for both variants of runs FIRST to END - 1. */
+static size_t print_like_rows(char *text, size_t size, unsigned first, unsigned end) {
+    size_t length = 0;
+    for (unsigned i = 2 * first; i < 2 * end; i++) {
+        length += (size_t)snprintf(text + length, size - length, "%u,%u,clear,,,1,2,3,4,0,0,,30\n",
+                                   i / 2, i % 2);
+    }
+    return length;
+}
+
+/* All rows of the trial of 40 runs. */
+static const char *all_rows(void) {
+    static char text[4000];
+    size_t length = print_like_rows(text, sizeof text, 0, 7);
+    length += (size_t)snprintf(text + length, sizeof text - length, "%s", rows);
+    print_like_rows(text + length, sizeof text - length, 11, 40);
+    return text;
+}
+
 /* Runs FIRST and so on, COUNT of them, of the trial as a part in FOLDER/PART; WORD of what is in both files
  * replaced by OTHER. */
 static void write_part(const char *part, unsigned first, unsigned count, const char *word,
                        const char *other) {
-    char text[1000], some[1000], file[40], path[200], number[40];
+    char text[4000], some[1000], file[40], path[200], number[40];
     snprintf(path, sizeof path, "%s/%s", folder, part);
     mkdir(path, 0777);
     snprintf(number, sizeof number, "\"first\": %u", first);
@@ -558,8 +578,8 @@ static void write_part(const char *part, unsigned first, unsigned count, const c
     replace(text, word, other, some);
     snprintf(file, sizeof file, "%s/trial.json", part);
     write_file(file, some, "  ]\n}\n");
-    const char *begin = rows, *end;
-    for (unsigned i = 0; i < 2 * (first - 7); i++) {
+    const char *begin = all_rows(), *end;
+    for (unsigned i = 0; i < 2 * first; i++) {
         begin = strchr(begin, '\n') + 1;
     }
     end = begin;
@@ -573,38 +593,42 @@ static void write_part(const char *part, unsigned first, unsigned count, const c
 }
 
 /* Parts NAMES joined in FOLDER/whole. */
-static asdic_status merge(const char *const names[3], size_t count, bool force) {
-    char path[4][200];
-    const char *parts[3] = {path[0], path[1], path[2]};
+static asdic_status merge(const char *const names[], size_t count, bool force) {
+    char path[6][200];
+    const char *parts[5] = {path[0], path[1], path[2], path[3], path[4]};
     for (size_t i = 0; i < count; i++) {
         snprintf(path[i], sizeof path[i], "%s/%s", folder, names[i]);
     }
-    snprintf(path[3], sizeof path[3], "%s/whole", folder);
-    return asdic_trial_merge(ctx, parts, count, path[3], force);
+    snprintf(path[5], sizeof path[5], "%s/whole", folder);
+    return asdic_trial_merge(ctx, parts, count, path[5], force);
 }
 
 /* In whatever order they are named, parts join to the trial with all their rows. */
 static void parts_join_to_the_whole(void **state) {
     (void)state;
-    static const char *const orders[][3] = {{"a", "b", "c"}, {"c", "a", "b"}, {"b", "c", "a"}};
+    static const char *const orders[][5] = {{"before", "a", "b", "c", "after"},
+                                            {"c", "after", "a", "b", "before"},
+                                            {"after", "b", "c", "before", "a"}};
     char path[200];
+    write_part("before", 0, 7, "", "");
     write_part("a", 7, 1, "", "");
     write_part("b", 8, 2, "", "");
     write_part("c", 10, 1, "", "");
+    write_part("after", 11, 29, "", "");
     snprintf(path, sizeof path, "%s/whole", folder);
     for (int i = 0; i < 3; i++) {
         asdic_trial *t = NULL, *at_once = open_trial();
-        assert_ok(ctx, merge(orders[i], 3, i > 0));
+        assert_ok(ctx, merge(orders[i], 5, i > 0));
         assert_ok(ctx, asdic_trial_open(ctx, path, &t));
         assert_true(asdic_trial_is_same(&t->facts, &at_once->facts));
-        assert_int_equal(t->facts.first, 7);
-        assert_int_equal(t->facts.count, 4);
+        assert_int_equal(t->facts.first, 0);
+        assert_int_equal(t->facts.count, 40);
         assert_string_equal(t->header, header);
-        assert_string_equal(t->body, rows);
+        assert_string_equal(t->body, all_rows());
         asdic_trial_close(&t);
         asdic_trial_close(&at_once);
     }
-    assert_status(ctx, merge(orders[0], 3, false), ASDIC_ERROR_EXISTS);
+    assert_status(ctx, merge(orders[0], 5, false), ASDIC_ERROR_EXISTS);
     assert_contains(asdic_context_error(ctx), "holds a trial; --force replaces it");
     /* Nor is one given up that can go on. */
     static const char *const names[] = {"trial.json", "trial.csv", "trial.part.csv"};
@@ -614,16 +638,16 @@ static void parts_join_to_the_whole(void **state) {
         assert_int_equal(unlink(name), 0);
     }
     write_file("whole/trial.part.csv", header, "");
-    assert_status(ctx, merge(orders[0], 3, false), ASDIC_ERROR_EXISTS);
+    assert_status(ctx, merge(orders[0], 5, false), ASDIC_ERROR_EXISTS);
     assert_contains(asdic_context_error(ctx), "holds a trial that was stopped; --force replaces");
     snprintf(name, sizeof name, "%s/%s", path, names[2]);
     assert_int_equal(access(name, F_OK), 0);
-    assert_ok(ctx, merge(orders[0], 3, true));
+    assert_ok(ctx, merge(orders[0], 5, true));
 }
 
 static void parts_that_do_not_fit_are_refused(void **state) {
     (void)state;
-    static const char *const names[3] = {"a", "b", "c"};
+    static const char *const names[] = {"before", "a", "b", "c", "after"};
     static const char other_trial[] = "parts of different trials";
     static const struct {
         unsigned first, count;
@@ -637,13 +661,20 @@ static void parts_that_do_not_fit_are_refused(void **state) {
         {8, 2, "depth_m", "width_m", other_trial},
         {8, 2, "\"scene\"", "[\"scene\"", "this is no trial.json"},
     };
+    write_part("before", 0, 7, "", "");
     write_part("a", 7, 1, "", "");
     write_part("c", 10, 1, "", "");
+    write_part("after", 11, 29, "", "");
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
         write_part("b", wrong[i].first, wrong[i].count, wrong[i].word, wrong[i].other);
-        assert_status(ctx, merge(names, 3, true), ASDIC_ERROR_INPUT);
+        assert_status(ctx, merge(names, 5, true), ASDIC_ERROR_INPUT);
         assert_contains(asdic_context_error(ctx), wrong[i].says);
     }
+    write_part("b", 8, 2, "", "");
+    assert_status(ctx, merge(names + 1, 4, true), ASDIC_ERROR_INPUT);
+    assert_contains(asdic_context_error(ctx), "runs 0 to 6 are in no part");
+    assert_status(ctx, merge(names, 4, true), ASDIC_ERROR_INPUT);
+    assert_contains(asdic_context_error(ctx), "runs 11 to 39 are in no part");
     const char *const parts[1] = {folder};
     assert_status(ctx, asdic_trial_merge(ctx, NULL, 1, folder, true), ASDIC_ERROR_ARGUMENT);
     assert_status(ctx, asdic_trial_merge(ctx, parts, 0, folder, true), ASDIC_ERROR_ARGUMENT);
@@ -677,7 +708,7 @@ static void a_team_has_parts(void **state) {
     write_file("empty.yaml", empty, "");
     snprintf(scene, sizeof scene, "%s/empty.yaml", folder);
     snprintf(whole, sizeof whole, "%s/team", folder);
-    snprintf(part, sizeof part, "%s/team/part_1", folder);
+    snprintf(part, sizeof part, "%s/team/part_1_2", folder);
     options.scene = scene;
     options.folder = whole;
     options.runs = 2;
@@ -774,6 +805,44 @@ static asdic_status give_result(void *user, unsigned *from, const void **data, s
     return ASDIC_OK;
 }
 
+/* Processes 1 and 2 are through. */
+static asdic_status give_both(void *user, unsigned *from, const void **data, size_t *bytes) {
+    static const asdic_message good = {.kind = ASDIC_MESSAGE_RESULT, .status = ASDIC_OK};
+    unsigned *told = user;
+    *from = ++*told;
+    *bytes = sizeof good;
+    *data = &good;
+    return ASDIC_OK;
+}
+
+static void assert_no_part(const char *path) {
+    DIR *all = opendir(path);
+    assert_non_null(all);
+    for (struct dirent *entry; (entry = readdir(all));) {
+        assert_null(strstr(entry->d_name, "part"));
+    }
+    closedir(all);
+}
+
+/* Makes the trial in FOLDER/NAME one that was stopped after its first row, which it marks: of 77 pings. */
+static void stop_after_first_row(const char *name) {
+    char from[240], to[240], header_line[400], row[400], marked[1000];
+    snprintf(from, sizeof from, "%s/%s/trial.json", folder, name);
+    snprintf(to, sizeof to, "%s/%s/trial.part.json", folder, name);
+    assert_int_equal(rename(from, to), 0);
+    snprintf(from, sizeof from, "%s/%s/trial.csv", folder, name);
+    FILE *file = fopen(from, "r");
+    assert_non_null(file);
+    assert_non_null(fgets(header_line, sizeof header_line, file));
+    assert_non_null(fgets(row, sizeof row, file));
+    assert_int_equal(fclose(file), 0);
+    assert_int_equal(unlink(from), 0);
+    replace(row, ",9,3,", ",9,77,", marked);
+    assert_string_not_equal(row, marked);
+    snprintf(to, sizeof to, "%s/trial.part.csv", name);
+    write_file(to, header_line, marked);
+}
+
 /* Process 0 joins the parts of all: in a new folder, in the place of a trial there, and of one that was stopped. */
 static void a_team_joins_its_parts(void **state) {
     (void)state;
@@ -789,15 +858,19 @@ static void a_team_joins_its_parts(void **state) {
         asdic_trial *t = NULL;
         snprintf(whole, sizeof whole, "%s/%s", folder, names[k]);
         assert_int_equal(mkdir(whole, 0777), 0);
-        if (k > 0) {
-            snprintf(path, sizeof path, "%s/trial%s.json", names[k], k == 1 ? "" : ".part");
+        if (k == 1) {
+            snprintf(path, sizeof path, "%s/trial.json", names[k]);
             write_file(path, facts, "  ]\n}\n");
-            snprintf(path, sizeof path, "%s/trial%s.csv", names[k], k == 1 ? "" : ".part");
+            snprintf(path, sizeof path, "%s/trial.csv", names[k]);
             write_file(path, header, rows);
         }
         options.scene = scene;
         options.folder = whole;
         options.runs = 3;
+        if (k == 2) {
+            assert_ok(ctx, asdic_trial_fly(ctx, NULL, 0, &options));
+            stop_after_first_row(names[k]);
+        }
         options.force = k == 1;
         options.resume = k == 2;
         for (int rank = 1; rank >= 0; rank--) {
@@ -808,11 +881,56 @@ static void a_team_joins_its_parts(void **state) {
         assert_int_equal(t->row_count, 3);
         assert_int_equal(t->facts.count, 3);
         assert_null(t->facts.rule);
+        assert_int_equal(t->rows[0].flown.pings, k == 2 ? 77 : 3);
         asdic_trial_close(&t);
-        for (int rank = 0; rank < 2; rank++) {
-            snprintf(path, sizeof path, "%s/part_%d", whole, rank);
-            assert_int_not_equal(access(path, F_OK), 0);
+        assert_no_part(whole);
+    }
+}
+
+/* What a team of two left, of one process or of three it goes on with the rows that are there. */
+static void a_stopped_team_may_have_another_size(void **state) {
+    (void)state;
+    static const char *const names[] = {"resized_alone", "resized_team"};
+    char scene[200], whole[200], path[220];
+    write_file("empty.yaml", empty, "");
+    snprintf(scene, sizeof scene, "%s/empty.yaml", folder);
+    for (int k = 0; k < 2; k++) {
+        asdic_message told = {.kind = 0};
+        asdic_team second = {.rank = 1, .size = 2, .send = note_result, .user = &told};
+        asdic_trial_options options = asdic_trial_options_default();
+        asdic_trial *t = NULL;
+        snprintf(whole, sizeof whole, "%s/%s", folder, names[k]);
+        options.scene = scene;
+        options.folder = whole;
+        options.runs = 4;
+        options.team = &second; /* runs 2 and 3 */
+        assert_ok(ctx, asdic_trial_fly(ctx, NULL, 0, &options));
+        snprintf(path, sizeof path, "%s/part_2_4", names[k]);
+        stop_after_first_row(path);
+        options.team = NULL;
+        assert_status(ctx, asdic_trial_fly(ctx, NULL, 0, &options), ASDIC_ERROR_EXISTS);
+        assert_contains(asdic_context_error(ctx), "holds a trial that was stopped; --resume goes");
+        options.resume = true;
+        options.seed++;
+        assert_status(ctx, asdic_trial_fly(ctx, NULL, 0, &options), ASDIC_ERROR_EXISTS);
+        assert_contains(asdic_context_error(ctx), "/part_2_4 holds another trial");
+        options.seed--;
+        for (unsigned rank = 3; k == 1 && rank-- > 0;) {
+            asdic_team third = {.rank = rank, .size = 3, .send = note_result, .receive = give_both};
+            third.user = rank > 0 ? &told : (void *)&(unsigned){0};
+            options.team = &third;
+            assert_ok(ctx, asdic_trial_fly(ctx, NULL, 0, &options));
         }
+        if (k == 0) {
+            assert_ok(ctx, asdic_trial_fly(ctx, NULL, 0, &options));
+        }
+        assert_ok(ctx, asdic_trial_open(ctx, whole, &t));
+        assert_int_equal(t->row_count, 4);
+        for (size_t i = 0; i < 4; i++) {
+            assert_int_equal(t->rows[i].flown.pings, i == 2 ? 77 : 3);
+        }
+        asdic_trial_close(&t);
+        assert_no_part(whole);
     }
 }
 
@@ -1010,9 +1128,23 @@ static void what_pings_needs_a_device(void **state) {
 }
 
 static int end(void **state) {
-    static const char *const folders[] = {
-        "joined_new", "joined_forced", "joined_resumed", "a",    "b",     "c", "whole",
-        "kept",       "team/part_1",   "team/part_0",    "team", "again", "."};
+    static const char *const folders[] = {"joined_new",
+                                          "joined_forced",
+                                          "joined_resumed",
+                                          "resized_alone",
+                                          "resized_team",
+                                          "before",
+                                          "a",
+                                          "b",
+                                          "c",
+                                          "after",
+                                          "whole",
+                                          "kept",
+                                          "team/part_1_2",
+                                          "team/part_0_1",
+                                          "team",
+                                          "again",
+                                          "."};
     static const char *const names[] = {"trial.json",      "trial.csv",      "trial.png",
                                         "trial.part.json", "trial.part.csv", "empty.yaml",
                                         "scene.yaml",      "track.csv"};
@@ -1046,6 +1178,7 @@ int main(void) {
         cmocka_unit_test(parts_that_do_not_fit_are_refused),
         cmocka_unit_test(a_team_has_parts),
         cmocka_unit_test(a_team_joins_its_parts),
+        cmocka_unit_test(a_stopped_team_may_have_another_size),
         cmocka_unit_test(one_that_stays_away_is_not_waited_for),
         cmocka_unit_test(another_keeps_its_trial),
         cmocka_unit_test(the_first_failure_is_told),

@@ -109,7 +109,8 @@ ASDIC_API asdic_trial_options asdic_trial_options_default(void);
 ASDIC_API asdic_status asdic_trial_fly(asdic_context *ctx, asdic_device **devices,
                                        size_t device_count, const asdic_trial_options *options);
 
-/* Joins parts of a trial, made with FIRST and COUNT, into FOLDER: the bytes of the whole. */
+/* Joins all parts of a trial, made with FIRST and COUNT, into FOLDER: the bytes of the whole.
+ * ASDIC_ERROR_INPUT when runs are in no part, or in two. */
 ASDIC_API asdic_status asdic_trial_merge(asdic_context *ctx, const char *const *folders,
                                          size_t folder_count, const char *folder, bool force);
 
