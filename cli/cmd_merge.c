@@ -44,9 +44,11 @@ const cli_command cli_merge_command = {
     .min_operands = 1,
     .max_operands = CLI_ANY_NUMBER,
     .summary = "join the parts of a run, a trial or a data set made with --shard or --pings",
-    .details = "The parts may be given in any order; they must follow on each other without gaps. "
-               "The result has the same bytes as one run of all pings, but for the times in "
-               "run.json.",
+    .details =
+        "The parts may be given in any order; they must follow on each other without gaps, and of "
+        "what --shard divided none may lack. "
+        "The result has the same bytes as one run of all pings, but for the times in "
+        "run.json.",
     .examples = "asdic run scene.yaml --shard 1/2 && asdic run scene.yaml --shard 2/2\n"
                 "asdic merge run_scene_1_of_2 run_scene_2_of_2 -o run_scene",
     .options = options,

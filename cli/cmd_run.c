@@ -89,6 +89,8 @@ static bool choose_pings(cli *c, const request *r, size_t pings, asdic_run_optio
     }
     options->first = r->first + from;
     options->count = to - from;
+    options->of_first = r->first;
+    options->of_count = count;
     return true;
 }
 

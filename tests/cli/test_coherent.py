@@ -92,7 +92,7 @@ sampling: {coherent: true, rays: 1000}
 output: {elements: true, images: []}
 """)
         for k in (1, 2, 3):
-            asdic("run", path, "--shard", f"{k}/3", "-o", folder / f"part{k}").check(code=0)
+            asdic("run", path, "--pings", f"{k - 1}:{k}", "-o", folder / f"part{k}").check(code=0)
         asdic("merge", folder / "part2", folder / "part3", "-o", folder / "joined").check(code=0)
         tap.equal(pressures(folder, "joined")[0], (2, 4, pressures(folder, "part1")[0][2]), "shape")
 

@@ -41,6 +41,15 @@ def test_shards_merge_to_the_whole():
         asdic("merge", *parts, "-o", "joined", cwd=folder.path).check(code=1)
         asdic("merge", *parts, cwd=folder.path).check(code=2)
         asdic("merge", parts[0], parts[2], parts[2], "-o", "x", cwd=folder.path).check(code=3)
+        for some, lacking in ((parts[:2], "0 to 1"), (parts[::2], "4 to 6")):
+            done = asdic("merge", *some, "-o", "x", cwd=folder.path).check(code=3)
+            tap.contains(done.err, f"pings {lacking} are in none of the parts; '{sorted(some)[0]}' is a part of pings 0 to 6")
+        # Of chosen pings the shards join to these.
+        asdic("run", path, "--pings", "1:6", "-o", folder / "few").check(code=0)
+        for k in (1, 2):
+            asdic("run", path, "--pings", "1:6", "--shard", f"{k}/2", "-o", folder / f"few{k}").check(code=0)
+        asdic("merge", folder / "few2", folder / "few1", "-o", folder / "joined_few").check(code=0)
+        same(folder, "few", "joined_few")
         asdic("run", path, "--pings", "2:5", "-o", folder / "some").check(code=0)
         rows = data(folder, "some", "bins.csv").decode().splitlines()[1:]
         whole = data(folder, "whole", "bins.csv").decode().splitlines()[1:]

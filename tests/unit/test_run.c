@@ -833,6 +833,7 @@ static void facts_are_read_whole(void **state) {
                                             {"rays_per_s", "rays_per_s"},
                                             {"stderr_db", "median"}};
     static const char *const others[] = {"model_uncertainty_db",
+                                         "whole_pings",
                                          "refraction",
                                          "devices",
                                          "remarks",

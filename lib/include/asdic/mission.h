@@ -359,8 +359,9 @@ typedef struct asdic_run_options {
     const char *folder; /* output folder, created */
     bool force, resume; /* overwrite, or continue */
     bool own_track;     /* with FORCE: the scene's track is FOLDER/track.csv, written again alike */
-    size_t first, count; /* pings to run; count SIZE_MAX: to the end */
-    asdic_team *team;    /* the processes that share the work; NULL: this one alone */
+    size_t first, count;       /* pings to run; count SIZE_MAX: to the end */
+    size_t of_first, of_count; /* that they are a part of, joined by no less; of_count 0: none */
+    asdic_team *team;          /* the processes that share the work; NULL: this one alone */
     void (*progress)(void *user, const asdic_run_progress *progress); /* may be NULL */
     void *user;
     asdic_run_times *times; /* filled when a run is complete; may be NULL */

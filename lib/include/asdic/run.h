@@ -108,7 +108,8 @@ ASDIC_API asdic_status asdic_run_mosaic(asdic_context *ctx, const char *folder, 
 
 /* Joins runs of consecutive parts of one mission, given in any order, into OUT_FOLDER: the same
  * bytes (but run.json's times) as one run of all. ASDIC_ERROR_INPUT when they are of different
- * missions or leave gaps, ASDIC_ERROR_EXISTS when OUT_FOLDER holds a run and FORCE is false. */
+ * missions, leave gaps, or lack pings that one of them is a part of (asdic_run_options),
+ * ASDIC_ERROR_EXISTS when OUT_FOLDER holds a run and FORCE is false. */
 ASDIC_API asdic_status asdic_run_merge(asdic_context *ctx, const char *const *folders, size_t count,
                                        const char *out_folder, bool force);
 

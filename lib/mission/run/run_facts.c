@@ -282,6 +282,8 @@ asdic_status asdic_run_facts_write(asdic_context *ctx, const char *folder,
     add_natural(&json, "first_ping", facts->first_ping);
     add_natural(&json, "pings_planned", facts->pings_planned);
     add_natural(&json, "pings", facts->pings);
+    add_natural(&json, "whole_first_ping", facts->whole_first_ping);
+    add_natural(&json, "whole_pings", facts->whole_pings);
     add_natural(&json, "rays_traced", facts->rays_traced);
     add_natural(&json, "saturated", facts->saturated);
     add_devices(&json, facts);

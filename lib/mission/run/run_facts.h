@@ -45,6 +45,7 @@ typedef struct asdic_run_facts {
     asdic_remarks remarks;           /* on the laws that were used */
     asdic_plan plan;                 /* of the whole mission, whatever part of it this run is */
     size_t first_ping, pings_planned, pings;
+    size_t whole_first_ping, whole_pings; /* that these are a part of, or they themselves */
     size_t beams, bins;
     double bin_length_m;
     asdic_sweep sweep; /* not read back: it is in the scene's text */

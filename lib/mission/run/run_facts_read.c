@@ -173,6 +173,13 @@ static void read_refraction(reader *r, asdic_run_facts *facts) {
     }
 }
 
+/* A run without the keys is older than they are: nothing is known of a whole. */
+static void read_whole(reader *r, asdic_run_facts *facts) {
+    bool says = asdic_yaml_child(r->root, "whole_pings") != NULL;
+    facts->whole_first_ping = says ? read_natural(r, "whole_first_ping") : facts->first_ping;
+    facts->whole_pings = says ? read_natural(r, "whole_pings") : facts->pings_planned;
+}
+
 static void read_all(reader *r, asdic_arena *arena, asdic_run_facts *facts) {
     const asdic_yaml_node *scene = asdic_yaml_child(r->root, "scene");
     const asdic_yaml_node *time_s = asdic_yaml_child(r->root, "time_s");
@@ -198,6 +205,7 @@ static void read_all(reader *r, asdic_arena *arena, asdic_run_facts *facts) {
     facts->first_ping = read_natural(r, "first_ping");
     facts->pings_planned = read_natural(r, "pings_planned");
     facts->pings = read_natural(r, "pings");
+    read_whole(r, facts);
     facts->rays_traced = read_natural(r, "rays_traced");
     facts->saturated = read_natural(r, "saturated");
     facts->beams = read_natural(r, "beams");

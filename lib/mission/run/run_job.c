@@ -31,8 +31,18 @@ static asdic_status check_range(asdic_run_job *job) {
                           "no ping to run: ping %zu asked for, but the mission has pings 0..%zu",
                           o->first, pings - 1);
     }
-    job->facts.first_ping = o->first;
-    job->facts.pings_planned = o->count < pings - o->first ? o->count : pings - o->first;
+    asdic_run_facts *f = &job->facts;
+    f->first_ping = o->first;
+    f->pings_planned = o->count < pings - o->first ? o->count : pings - o->first;
+    f->whole_first_ping = o->of_count ? o->of_first : f->first_ping;
+    f->whole_pings = o->of_count ? o->of_count : f->pings_planned;
+    if (f->whole_first_ping > f->first_ping || f->whole_pings > pings - f->whole_first_ping ||
+        f->first_ping + f->pings_planned > f->whole_first_ping + f->whole_pings) {
+        return asdic_fail(job->ctx, ASDIC_ERROR_ARGUMENT,
+                          "pings %zu to %zu are no part of %zu pings from ping %zu on",
+                          f->first_ping, f->first_ping + f->pings_planned - 1, f->whole_pings,
+                          f->whole_first_ping);
+    }
     return ASDIC_OK;
 }
 

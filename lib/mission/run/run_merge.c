@@ -56,6 +56,26 @@ static asdic_status check_folder(const merger *m) {
     return ASDIC_OK;
 }
 
+/* Checks that no part, as one made with --shard, is of more pings than the parts have together. */
+static asdic_status check_whole(const merger *m) {
+    const asdic_run_facts *last = &m->parts[m->count - 1]->facts;
+    size_t first = m->parts[0]->facts.first_ping, end = last->first_ping + last->pings_planned;
+    for (size_t i = 0; i < m->count; i++) {
+        const asdic_run_facts *part = &m->parts[i]->facts;
+        size_t whole_end = part->whole_first_ping + part->whole_pings;
+        bool lacks_begin = part->whole_first_ping < first;
+        if (lacks_begin || whole_end > end) {
+            return asdic_fail(m->ctx, ASDIC_ERROR_INPUT,
+                              "pings %zu to %zu are in none of the parts; '%s' is a part of pings "
+                              "%zu to %zu",
+                              lacks_begin ? part->whole_first_ping : end,
+                              (lacks_begin ? first : whole_end) - 1, m->parts[i]->folder,
+                              part->whole_first_ping, whole_end - 1);
+        }
+    }
+    return ASDIC_OK;
+}
+
 /* Checks that the parts follow each other without gaps or overlaps and belong to one mission. */
 static asdic_status check_parts(const merger *m) {
     for (size_t i = 0; i < m->count; i++) {
@@ -81,7 +101,7 @@ static asdic_status check_parts(const merger *m) {
                               before->folder, next, part->folder, info.first_ping);
         }
     }
-    return ASDIC_OK;
+    return check_whole(m);
 }
 
 /* Reads all that the parts are joined from, before what is in the result's folder is given up. */
@@ -107,6 +127,8 @@ static asdic_status sum_up(merger *m) {
         f->pings_planned += m->parts[i]->facts.pings_planned;
         device_count += m->parts[i]->facts.device_count;
     }
+    f->whole_first_ping = f->first_ping;
+    f->whole_pings = f->pings_planned;
     /* Times are added: what the whole run costs on one machine. */
     f->times = (asdic_run_times){0};
     f->devices = asdic_arena_alloc(&m->arena, (device_count + 1) * sizeof *f->devices);
