@@ -208,6 +208,11 @@ static real level_of(real f, const volume_draw *draw, const volume_grain *grain)
     return log(r_max(f, R(1e-12))) / grain->height + draw->first;
 }
 
+/* What F is taken for on LEVEL. */
+static real rounded_to(real level, const volume_draw *draw, const volume_grain *grain) {
+    return grain->middle * exp((level + R(0.5) - draw->first) * grain->height);
+}
+
 /* Takes the rays that are ON from range BEFORE, where F was F_BEFORE, to where they are now. */
 static void round_share(steps *s, rounding *at, const wander *way, const volume_draw *draw,
                         const volume_grain *grain, real before, real f_before, real bin_m,
@@ -225,7 +230,7 @@ static void round_share(steps *s, rounding *at, const wander *way, const volume_
         real edge = R(0.5) * (at->level + level + R(1.0));
         real share = (edge - then) / choose(now == then, R(1.0), now - then);
         real place = choose(coarse, at->from, before + apart * r_min(r_max(share, R(0.0)), R(1.0)));
-        real q = grain->middle * exp((level + R(0.5) - draw->first) * grain->height);
+        real q = rounded_to(level, draw, grain);
         real bin = r_floor(place / bin_m - draw->place);
         add_step(s, leap & (bin >= R(0.0)), to_natural(r_max(bin, R(0.0))), s->end - q);
         s->end = choose(leap, q, s->end);
@@ -317,8 +322,8 @@ static steps follow_water(__global const dev_ping *ping, const water_store *stor
     steps s;
     s.rows = (whole)(2 - first);
     s.last = (natural)(NO_RAY);
-    s.end = R(0.0);
-    rounding at = {(real)(-INFINITY), R(0.0), R(0.0)};
+    rounding at = {r_floor(level_of(way.f, &draw, grain)), R(0.0), R(0.0)};
+    s.end = rounded_to(at.level, &draw, grain);
     mask on = (mask)(-1);
     for (uint i = 0; i < VOLUME_MOST && any_true(on); i++) {
         real before = way.range, f_before = way.f;
