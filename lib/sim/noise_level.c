@@ -11,8 +11,8 @@ static double directivity(double length_h_m, double length_v_m, double wavelengt
     return 4.0 * ASDIC_PI * length_h_m * length_v_m / (wavelength_m * wavelength_m);
 }
 
-/* A shorter side takes in no less from all around than one of lambda / pi; with that the directivity is within 1.3 dB of
- * the integral over the pattern of any aperture. */
+/* A shorter side takes in no less from all around than one of lambda / pi. The integral over the pattern of an aperture, in
+ * front of it, is then at most 1.6 dB more (of 0.49 by 0.32 wavelengths) and 0.4 dB less than the directivity. */
 static double no_shorter(double length_m, double wavelength_m) {
     return fmax(length_m, wavelength_m / ASDIC_PI);
 }
