@@ -25,7 +25,7 @@
 #define DEV_MAX_LOBES 12
 /* A lobe's scale far beyond any window: evenly spread. */
 #define DEV_EVEN_SCALE 1e4f
-#define DEV_MAX_CONES 8
+#define DEV_MAX_CONES 8 /* at objects, and as many at their images */
 /* Of the learnt table, see learnt.h; powers of two. */
 #define DEV_TABLE_CELLS 512
 #define DEV_TABLE_ROWS 32
@@ -67,7 +67,7 @@ typedef struct dev_lobe {
     dev_uint aside;   /* 1: a ridge far in azimuth from the transmitter's axis */
 } dev_lobe;
 
-/* Directions towards an object's bounding sphere, which get COUNT rays of their own, from ray FIRST
+/* Directions towards the bounding sphere of an object or its image, which get COUNT rays of their own, from ray FIRST
  * on; adaptive sampler only. */
 typedef struct dev_cone {
     float rows[9]; /* world to cone: the third row points at the centre */
@@ -160,7 +160,7 @@ typedef struct dev_sampling {
     dev_zones zones;
     dev_uint lobes;
     dev_lobe lobe[DEV_MAX_LOBES];
-    dev_cone cone[DEV_MAX_CONES];
+    dev_cone cone[2 * DEV_MAX_CONES];
 } dev_sampling;
 
 /* The accumulator and what becomes of it, see deposit.h and reduce.cl. */

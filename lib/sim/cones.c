@@ -12,9 +12,12 @@
 #define MARGIN 1.02
 /* Objects that look larger than this (sine of the half-angle) are met often enough without a cone. */
 #define WIDEST 0.3
-/* Share of the rays for one object, and at most for all. */
+/* Share of the rays for one object, and at most for all; the same again for their images. */
 #define SHARE_ONE 0.12
 #define SHARE_MOST 0.24
+
+/* Rounds of the search for the way over a plane: where rays are straight the first is there. */
+#define ROUNDS 8
 
 typedef struct candidate {
     asdic_vec3 towards; /* unit */
@@ -22,47 +25,109 @@ typedef struct candidate {
     size_t part;
 } candidate;
 
+/* What is seen, and from where. */
+typedef struct outlook {
+    const asdic_part *parts;
+    size_t part_count;
+    asdic_vec3 position_m;
+    const dev_beam *beams;
+    const dev_ping *ping;
+} outlook;
+
 static double along(const float *row, asdic_vec3 u) {
     return row[0] * u.x + row[1] * u.y + row[2] * u.z;
 }
 
-/* How loud an object may be: two-way gain times cross-section over spreading. */
-static double score(const candidate *c, const dev_beam *beams, size_t receivers, double range_m) {
+/* How loud an object may be: two-way gain times cross-section over spreading; nothing where it is not heard. */
+static double score(const candidate *c, const outlook *o, double range_m) {
+    if (o->ping->rear_lin <= 0.0f && along(o->beams[0].rows, c->towards) < -c->sine) {
+        return 0.0;
+    }
     double spread = c->sine / range_m;
-    return asdic_aim_envelope(beams, receivers, c->towards) * spread * spread;
+    return asdic_aim_envelope(o->beams, o->ping->beams, c->towards) * spread * spread;
 }
 
-/* False if the object needs no cone, or none of it can be heard. */
-static bool consider(const asdic_part *part, asdic_vec3 position_m, const dev_beam *beams,
-                     const dev_ping *ping, candidate *out) {
-    asdic_vec3 at = part->center_m;
-    ray_way to = asdic_sonar_ray(ping, asdic_vec3_sub(at, position_m), 0.0);
-    double distance = to.t;
-    double radius = MARGIN * part->radius_m;
-    if (part->kind != DEV_KIND_OBJECT || !(radius > 0.0) || radius > WIDEST * distance ||
-        distance - radius > ping->range_m) {
+/* What lies in direction U, DISTANCE away. */
+static candidate candidate_at(const outlook *o, triple u, double distance, double radius) {
+    candidate c = {.towards = {u.x, u.y, u.z}, .sine = radius / distance};
+    c.score = score(&c, o, distance);
+    return c;
+}
+
+/* How much deeper or higher a way goes by metre of level distance, at its end. */
+static double slope_at(const ray_way *way) {
+    triple u = ray_direction(&way->r, way->t);
+    return fabs(u.z) / fmax(hypot(u.x, u.y), 1e-9);
+}
+
+/* Sets the legs to and from a mirror on the way to what lies APART from the sonar; false: they are on different sides
+ * of it. Sharing the level distance out as the legs' slopes demand finds where both are the same. */
+static bool find_legs(const dev_ping *ping, const asdic_cone_mirror *mirror, asdic_vec3 from_m,
+                      asdic_vec3 apart, ray_way legs[2]) {
+    const ray_medium water = {asdic_sonar_bend(ping), 1.0};
+    const triple to = {apart.x, apart.y, apart.z};
+    double down = mirror->depth_m - from_m.z, rest = down - apart.z, near = down / (down + rest);
+    if (!(down * rest > 0.0)) {
         return false;
     }
-    out->towards = (asdic_vec3){to.r.u.x, to.r.u.y, to.r.u.z};
-    out->sine = radius / distance;
-    if (ping->rear_lin <= 0.0f && along(beams[0].rows, out->towards) < -out->sine) {
-        return false;
+    for (int i = 0; i < ROUNDS; i++) {
+        asdic_vec3 at = {near * apart.x, near * apart.y, down};
+        legs[0] = asdic_sonar_ray(ping, at, 0.0);
+        legs[1] = ray_between(to, (triple){at.x, at.y, at.z}, water, 0.0);
+        double drop = near * slope_at(&legs[0]), other = (1.0 - near) * slope_at(&legs[1]);
+        near = drop / fmax(drop + other, 1e-30);
     }
-    out->score = score(out, beams, ping->beams, distance);
     return true;
 }
 
-/* The loudest candidates, loudest first; of equals the first in the scene. */
-static unsigned pick(const asdic_part *parts, size_t part_count, asdic_vec3 position_m,
-                     const dev_beam *beams, const dev_ping *ping, candidate *best) {
-    unsigned count = 0;
-    for (size_t i = 0; i < part_count; i++) {
+/* PART's image in MIRROR. The louder of its echoes is that out over the mirror and straight home, or the reverse. */
+static bool consider_image(const asdic_part *part, const outlook *o,
+                           const asdic_cone_mirror *mirror, const candidate *direct, double radius,
+                           double distance, candidate *out) {
+    ray_way legs[2];
+    asdic_vec3 apart = asdic_vec3_sub(part->center_m, o->position_m);
+    if (!find_legs(o->ping, mirror, o->position_m, apart, legs)) {
+        return false;
+    }
+    double detour = legs[0].t + legs[1].t, slope = slope_at(&legs[0]);
+    double share =
+        mirror->plane->material.law->reflected(mirror->plane, slope / sqrt(1.0 + slope * slope));
+    if (share < DEV_MIN_MIRROR || radius > WIDEST * detour ||
+        0.5 * (detour + distance) - radius > o->ping->range_m) {
+        return false;
+    }
+    *out = candidate_at(o, legs[0].r.u, detour, radius);
+    out->score = share * (2.0 * sqrt(direct->score * out->score) + share * out->score);
+    return out->score > 0.0;
+}
+
+/* PART, or its image in MIRROR. False if it needs no cone, or none of it can be heard. */
+static bool consider(const asdic_part *part, const outlook *o, const asdic_cone_mirror *mirror,
+                     candidate *out) {
+    ray_way to = asdic_sonar_ray(o->ping, asdic_vec3_sub(part->center_m, o->position_m), 0.0);
+    double distance = to.t;
+    double radius = MARGIN * part->radius_m;
+    if (part->kind != DEV_KIND_OBJECT || !(radius > 0.0) || radius >= distance ||
+        distance - radius > o->ping->range_m) {
+        return false;
+    }
+    *out = candidate_at(o, to.r.u, distance, radius);
+    const candidate direct = *out;
+    return mirror ? consider_image(part, o, mirror, &direct, radius, distance, out)
+                  : radius <= WIDEST * distance && direct.score > 0.0;
+}
+
+/* Adds to BEST, of COUNT, what is seen straight or by way of MIRROR: the loudest, loudest first; of equals the first in
+ * the scene. */
+static void pick(const outlook *o, const asdic_cone_mirror *mirror, candidate *best,
+                 unsigned *count) {
+    for (size_t i = 0; i < o->part_count; i++) {
         candidate c;
-        if (!consider(&parts[i], position_m, beams, ping, &c)) {
+        if (!consider(&o->parts[i], o, mirror, &c)) {
             continue;
         }
         c.part = i;
-        unsigned at = count < DEV_MAX_CONES ? count++ : DEV_MAX_CONES;
+        unsigned at = *count < DEV_MAX_CONES ? (*count)++ : DEV_MAX_CONES;
         while (at > 0 && c.score > best[at - 1].score) {
             if (at < DEV_MAX_CONES) {
                 best[at] = best[at - 1];
@@ -73,13 +138,13 @@ static unsigned pick(const asdic_part *parts, size_t part_count, asdic_vec3 posi
             best[at] = c;
         }
     }
-    return count;
 }
 
 unsigned asdic_cones_pick(const asdic_part *parts, size_t part_count, asdic_vec3 position_m,
                           const dev_beam *beams, const dev_ping *ping, size_t *with_cone) {
     candidate best[DEV_MAX_CONES];
-    unsigned count = pick(parts, part_count, position_m, beams, ping, best);
+    unsigned count = 0;
+    pick(&(outlook){parts, part_count, position_m, beams, ping}, NULL, best, &count);
     for (unsigned c = 0; c < count; c++) {
         with_cone[c] = best[c].part;
     }
@@ -100,18 +165,13 @@ static void fill_rows(asdic_vec3 w, float rows[9]) {
     }
 }
 
-void asdic_cones_place(const asdic_part *parts, size_t part_count, asdic_vec3 position_m,
-                       const dev_beam *beams, dev_ping *ping) {
-    candidate best[DEV_MAX_CONES];
-    ping->sampling.cones = pick(parts, part_count, position_m, beams, ping, best);
-    if (ping->sampling.cones == 0) {
-        return;
-    }
-    double share = fmin(SHARE_ONE * sqrt(ping->sampling.cones), SHARE_MOST) / ping->sampling.cones;
+/* Gives each of COUNT candidates its cone, with rays that the background has had. */
+static void place(const candidate *best, unsigned count, dev_ping *ping) {
+    double share = fmin(SHARE_ONE * sqrt(count), SHARE_MOST) / fmax(count, 1.0);
     dev_uint each = (dev_uint)fmax(share * ping->batch.rays, 1.0);
-    ping->sampling.background -= ping->sampling.cones * each;
-    for (unsigned c = 0; c < ping->sampling.cones; c++) {
-        dev_cone *cone = &ping->sampling.cone[c];
+    ping->sampling.background -= count * each;
+    for (unsigned c = 0; c < count; c++) {
+        dev_cone *cone = &ping->sampling.cone[ping->sampling.cones++];
         double sine = best[c].sine, cosine = sqrt((1.0 - sine) * (1.0 + sine));
         fill_rows(best[c].towards, cone->rows);
         cone->cap = (float)(sine * sine / (1.0 + cosine));
@@ -120,4 +180,20 @@ void asdic_cones_place(const asdic_part *parts, size_t part_count, asdic_vec3 po
         cone->first = ping->sampling.background + c * each;
         cone->count = each;
     }
+}
+
+void asdic_cones_place(const asdic_part *parts, size_t part_count, asdic_vec3 position_m,
+                       const dev_beam *beams, const asdic_cone_mirror *mirrors, size_t mirror_count,
+                       dev_ping *ping) {
+    const outlook o = {parts, part_count, position_m, beams, ping};
+    candidate best[DEV_MAX_CONES];
+    unsigned count = 0;
+    ping->sampling.cones = 0;
+    pick(&o, NULL, best, &count);
+    place(best, count, ping);
+    count = 0;
+    for (size_t m = 0; m < mirror_count; m++) {
+        pick(&o, &mirrors[m], best, &count);
+    }
+    place(best, count, ping);
 }

@@ -227,17 +227,14 @@ static size_t passages(const asdic_simulator *sim, const asdic_ping_shot *shot, 
         .bottom_m = scene->has_bottom_plane ? fmax(bottom_m, from_m) : INFINITY,
     };
     asdic_layers_of(&sim->setup.env, from_m, &direct->layers);
-    bool mirrors = asdic_simulator_boundaries_mirror(sim) && in_water(scene, from_m);
-    for (int below = 0; below < 2 && mirrors; below++) {
-        size_t material = below ? scene->bottom_plane_material : scene->material_count;
+    for (int below = 0; below < 2 && in_water(scene, from_m); below++) {
         passage *way = &ways[count];
         *way = (passage){.by = below ? ASDIC_PATH_BY_BOTTOM : ASDIC_PATH_BY_SURFACE,
-                         .mirror = &sim->setup.scatterers[material],
+                         .mirror = asdic_simulator_mirror(sim, below),
                          .plane_m = below ? bottom_m : 0.0,
                          .top_m = direct->top_m,
                          .bottom_m = direct->bottom_m};
-        if ((below ? scene->has_bottom_plane : scene->has_surface) &&
-            way->mirror->material.law->reflected) {
+        if (way->mirror) {
             *(below ? &way->bottom_m : &way->top_m) =
                 2.0 * way->plane_m - (below ? way->top_m : way->bottom_m);
             asdic_layers_mirror(&direct->layers, way->plane_m, !below, &way->layers);

@@ -131,6 +131,22 @@ static void place_faces(const asdic_simulator *sim, dev_ping *ping) {
     ping->sampling.face_first = ping->sampling.background;
 }
 
+/* Objects, and their images in planes that mirror. */
+static void place_cones(const asdic_simulator *sim, asdic_ping_shot *shot) {
+    const asdic_scene *scene = sim->setup.scene;
+    asdic_cone_mirror mirrors[2];
+    size_t count = 0;
+    for (int below = 0; below < 2; below++) {
+        const asdic_scatterer *plane = asdic_simulator_mirror(sim, below);
+        if (plane) {
+            mirrors[count++] =
+                (asdic_cone_mirror){below ? scene->bottom_plane_depth_m : 0.0, plane};
+        }
+    }
+    asdic_cones_place(sim->placement->parts, scene->part_count, shot->pose.position_m,
+                      asdic_shot_beams(shot), mirrors, count, shot->ping);
+}
+
 static dev_uint sampler_code(asdic_sampler sampler) {
     return sampler == ASDIC_SAMPLER_ADAPTIVE ? DEV_SAMPLER_ADAPTIVE
            : sampler == ASDIC_SAMPLER_BEAM   ? DEV_SAMPLER_BEAM
@@ -269,7 +285,6 @@ static void aim_beams(const asdic_simulator *sim, const asdic_ping_shot *shot) {
 
 void asdic_shot_aim(const asdic_simulator *sim, asdic_ping_shot *shot, const asdic_pose *pose,
                     uint64_t index, uint32_t stream, uint32_t rays) {
-    const asdic_scene *scene = sim->setup.scene;
     dev_ping *ping = shot->ping;
     shot->pose = *pose;
     shot->index = index;
@@ -288,8 +303,7 @@ void asdic_shot_aim(const asdic_simulator *sim, asdic_ping_shot *shot, const asd
     ping->sampling.cones = ping->sampling.face_count = 0;
     if (ping->sampling.sampler == DEV_SAMPLER_ADAPTIVE) {
         place_faces(sim, ping);
-        asdic_cones_place(sim->placement->parts, scene->part_count, pose->position_m,
-                          asdic_shot_beams(shot), ping);
+        place_cones(sim, shot);
     }
     place_zones(sim, pose, ping);
     place_lattice(ping, stream);

@@ -257,6 +257,18 @@ static inline bool asdic_simulator_boundaries_mirror(const asdic_simulator *sim)
     return sim->setup.has_mirrors && sim->setup.sampling.multipath == ASDIC_MULTIPATH_BOUNDARIES;
 }
 
+/* The surface or, BELOW, the bottom plane, if it is a mirror; else NULL. */
+static inline const asdic_scatterer *asdic_simulator_mirror(const asdic_simulator *sim,
+                                                            bool below) {
+    const asdic_scene *scene = sim->setup.scene;
+    const asdic_scatterer *plane =
+        &sim->setup.scatterers[below ? scene->bottom_plane_material : scene->material_count];
+    bool is_there = below ? scene->has_bottom_plane : scene->has_surface;
+    return is_there && asdic_simulator_boundaries_mirror(sim) && plane->material.law->reflected
+               ? plane
+               : NULL;
+}
+
 /* A shot's apertures: transmitter, then receivers. */
 static inline dev_beam *asdic_shot_beams(const asdic_ping_shot *shot) {
     return (dev_beam *)(shot->ping + 1);

@@ -227,7 +227,7 @@ static void near_objects_have_cones(void **state) {
     ping->range_m = 50.0f;
     ping->beams = 1;
     ping->batch.rays = ping->sampling.background = 1000;
-    asdic_cones_place(&ball, 1, (asdic_vec3){0.0, 0.0, 7.0}, beams, ping);
+    asdic_cones_place(&ball, 1, (asdic_vec3){0.0, 0.0, 7.0}, beams, NULL, 0, ping);
     assert_int_equal(ping->sampling.cones, 1);
     const dev_cone *cone = &ping->sampling.cone[0];
     assert_close((double)cone->rows[6], 0.6, 1e-6);
@@ -259,7 +259,7 @@ static void several_objects_share_rays(void **state) {
         for (size_t i = 0; i < count; i++) {
             balls[i] = (asdic_part){.kind = DEV_KIND_OBJECT, .center_m = at[i], .radius_m = 0.1};
         }
-        asdic_cones_place(balls, count, (asdic_vec3){0.0, 0.0, 7.0}, beams, ping);
+        asdic_cones_place(balls, count, (asdic_vec3){0.0, 0.0, 7.0}, beams, NULL, 0, ping);
         assert_int_equal(ping->sampling.cones, count);
         counts[count] = ping->sampling.cone[0].count;
         assert_int_equal(ping->sampling.background, 1000 - count * counts[count]);

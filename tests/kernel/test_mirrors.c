@@ -1,6 +1,8 @@
 /* First-order multipath: a mirror, flat, curved or the sea itself, shows the unfolded scene. */
 #include "multipath_rig.h"
 
+#include "laws/scatterer.h"
+
 #include "kernels/backscatter.h"
 
 /* A mirror 10 m ahead, turned by YAW, shows a sphere that lies behind the sonar's face. Without
@@ -235,6 +237,44 @@ static void a_polished_ball_glints_over_a_calm_surface(void **state) {
     }
 }
 
+/* A small ball 30 m ahead, as deep as the sonar, in calm water: few rays hear it by way of the surface, too, as loud as
+ * Lambert's sphere is by the angle between both ways, where rays are straight and where they bend. */
+static void a_small_ball_is_heard_over_a_calm_surface(void **state) {
+    (void)state;
+    const double depth_m = 10.0, ahead_m = 30.0, over_m = hypot(ahead_m, 2.0 * depth_m);
+    const double turn = atan2(2.0 * depth_m, ahead_m);
+    for (int bent = 0; bent < 2; bent++) {
+        target_rig r = open_sea(45.0);
+        r.env.wind_speed_kn = 0.0;
+        r.env.sound_speed_gradient_per_s = bent ? -0.3 : 0.0;
+        r.sonar.transmitter.length_h_m = r.sonar.transmitter.length_v_m = 1e-4;
+        r.receiver = r.sonar.transmitter;
+        r.sampling.multipath = ASDIC_MULTIPATH_BOUNDARIES;
+        r.sampling.sampler = ASDIC_SAMPLER_ADAPTIVE;
+        r.sampling.rays = 20000;
+        r.pose.position_m.z = depth_m;
+        asdic_scene_set_surface(r.scene, true);
+        asdic_mesh *mesh = NULL;
+        assert_ok(t.ctx, asdic_mesh_sphere(t.ctx, 0.1, 32, &mesh));
+        asdic_material lambert = asdic_material_of(asdic_law_find("lambert"));
+        assert_ok(t.ctx, asdic_material_set(t.ctx, &lambert, "lambert_db", -5.0));
+        add(&r, mesh, (asdic_vec3){ahead_m, 0.0, depth_m - 100.0}, 0.0, 0.0, lambert);
+        double alpha = asdic_environment_absorption_db_per_km(&r.env, FREQUENCY_HZ, depth_m);
+        double loss_db = 20.0 * log10(over_m / ahead_m) + 1e-3 * alpha * (over_m - ahead_m);
+        double want = 10.0 * log10(2.0 * (sin(turn) + (PI - turn) * cos(turn)) / PI) - loss_db;
+        asdic_ping *ping = shoot(&r);
+        double direct = energy(ping, ASDIC_OBJECT, 0.0, INFINITY);
+        double once = db(energy(ping, ASDIC_MULTIPATH, 31.5, 34.5) / direct);
+        double twice = db(energy(ping, ASDIC_MULTIPATH, 34.5, INFINITY) / direct);
+        print_message("rays %s: over the surface once %.2f dB, %.2f expected; twice %.2f, %.2f\n",
+                      bent ? "bend" : "straight", once, want, twice, -2.0 * loss_db);
+        assert_close(once, want, 0.2);
+        assert_close(twice, -2.0 * loss_db, 0.2);
+        asdic_ping_destroy(&ping);
+        target_rig_destroy(&r);
+    }
+}
+
 int main(void) {
     t = test_device_open_or_skip();
     const struct CMUnitTest tests[] = {
@@ -242,6 +282,7 @@ int main(void) {
         cmocka_unit_test(a_curved_mirror_spreads_what_returns),
         cmocka_unit_test(a_calm_surface_shows_the_unfolded_scene),
         cmocka_unit_test(a_polished_ball_glints_over_a_calm_surface),
+        cmocka_unit_test(a_small_ball_is_heard_over_a_calm_surface),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     test_device_close(&t);
