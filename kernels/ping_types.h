@@ -64,6 +64,7 @@ typedef struct dev_lobe {
     float limit_rad;  /* half-width of the azimuth window; < 0: the front of the transmitter */
     float margin_rad; /* > 0: a sector; added to the window, more where elevations are steep */
     float most_tilt;  /* of a sector */
+    float along[3];   /* adaptive: the side that the ridge runs along, pi times its wavelengths */
     dev_uint aside;   /* 1: a ridge far in azimuth from the transmitter's axis */
 } dev_lobe;
 
@@ -157,6 +158,7 @@ typedef struct dev_sampling {
     float footprint_rays; /* rays, next to each other in elevation, that a level footprint spans */
     float front[3];       /* transmitter axis, world */
     float front_azimuth_rad;
+    float sender_y[3], sender_z[3]; /* its sides, pi times their wavelengths */
     dev_zones zones;
     dev_uint lobes;
     dev_lobe lobe[DEV_MAX_LOBES];

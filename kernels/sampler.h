@@ -323,15 +323,11 @@ FORMULA real off_front(LOBE_SPACE const dev_ping *ping, real phi) {
 }
 
 /* A receiver may look where the transmitter does not: the near crossing of its lobe A then lies where nothing is
- * sent, and what it hears comes from the edges of both fronts. Where apertures leak backwards each crossing gets
- * half. Else, unless it hears the far one, the lobe is spread over the azimuths in front of both: from the
- * receiver's edge to the transmitter's on its side, and on the other. ASIDE are the lanes in question. */
+ * sent, and what it hears comes from the edges of both fronts. Unless it hears the far one, the lobe is spread over
+ * the azimuths in front of both: from the receiver's edge to the transmitter's on its side, and on the other. ASIDE are
+ * the lanes in question. */
 FORMULA void look_aside(LOBE_SPACE const dev_ping *ping, LOBE_SPACE const dev_lobe *lobe, real uz,
                         real m, real front, mask aside, azimuth_lobe *a) {
-    if (ping->rear_lin > 0.0f) {
-        a->near_share = choose(aside, R(0.5), a->near_share);
-        return;
-    }
     real fx = (real)(lobe->rows[0]), fy = (real)(lobe->rows[1]);
     real axis = (real)(ping->sampling.front_azimuth_rad);
     real turn = wrap_angle(atan2(fy, fx) - axis), apart = r_abs(turn);
@@ -348,6 +344,20 @@ FORMULA void look_aside(LOBE_SPACE const dev_ping *ping, LOBE_SPACE const dev_lo
     a->far_limit = choose(aside, R(0.5) * far_arc + R(1e-3), a->far_limit);
     a->near_share = choose(aside, near_arc / r_max(near_arc + far_arc, R(1e-6)), a->near_share);
     a->scale = choose(aside, (real)(DEV_EVEN_SCALE), a->scale);
+}
+
+/* Two-way gain, about, where a lobe's ridge is at azimuth PHI: nulls filled, as asdic_aim_envelope. */
+FORMULA real crossing_gain(LOBE_SPACE const dev_ping *ping, LOBE_SPACE const dev_lobe *lobe,
+                           real uz, real m, real phi) {
+    LOBE_SPACE const float *ahead = ping->sampling.front, *own = lobe->rows;
+    LOBE_SPACE const float *y = ping->sampling.sender_y, *z = ping->sampling.sender_z;
+    const real rear = r_max((real)(ping->rear_lin), R(1e-9)); /* its square is not to vanish */
+    real ux = m * cos(phi), uy = m * sin(phi);
+    real along = lobe->along[0] * ux + lobe->along[1] * uy + lobe->along[2] * uz;
+    real h = y[0] * ux + y[1] * uy + y[2] * uz, v = z[0] * ux + z[1] * uy + z[2] * uz;
+    real gain = choose(ahead[0] * ux + ahead[1] * uy + ahead[2] * uz < R(0.0), rear, R(1.0));
+    gain *= choose(own[0] * ux + own[1] * uy + own[2] * uz < R(0.0), rear, R(1.0));
+    return gain / ((R(1.0) + along * along) * (R(1.0) + h * h) * (R(1.0) + v * v));
 }
 
 /* At elevation UZ with cosine M and FRONT as from front_arc. A ridge crosses a ring of constant
@@ -382,7 +392,10 @@ FORMULA azimuth_lobe azimuth_lobe_at(LOBE_SPACE const dev_ping *ping,
     mask both = (far_off < front) & (near_off < front);
     mask only_far = (far_off < front) & (near_off >= front);
     a.near_share = choose(both, R(0.5), choose(only_far, R(0.0), R(1.0)));
-    if (lobe->aside != 0u && any_true(near_off >= front)) {
+    if (ping->rear_lin > 0.0f) { /* what leaks backwards may be all that is heard here */
+        real near_gain = crossing_gain(ping, lobe, uz, m, a.near);
+        a.near_share = near_gain / (near_gain + crossing_gain(ping, lobe, uz, m, a.far));
+    } else if (lobe->aside != 0u && any_true(near_off >= front)) {
         look_aside(ping, lobe, uz, m, front, near_off >= front, &a);
     }
     return a;

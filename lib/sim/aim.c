@@ -37,6 +37,13 @@ dev_beam asdic_aim_beam(const asdic_beam *beam, const asdic_pose *pose, double w
     return out;
 }
 
+void asdic_aim_side(const dev_beam *beam, bool vertical, float side[3]) {
+    double length_wl = vertical ? beam->length_v_wl : beam->length_h_wl;
+    for (int i = 0; i < 3; i++) {
+        side[i] = (float)(ASDIC_PI * length_wl * beam->rows[(vertical ? 6 : 3) + i]);
+    }
+}
+
 static double wrap(double phi) {
     return phi - 2.0 * ASDIC_PI * floor(phi / (2.0 * ASDIC_PI) + 0.5);
 }
@@ -67,6 +74,7 @@ static dev_lobe ridge_lobe(const dev_beam *beam, bool across) {
     double length_wl = across ? beam->length_v_wl : beam->length_h_wl;
     dev_lobe lobe = {.limit_rad = -1.0f};
     memcpy(lobe.rows, beam->rows, sizeof lobe.rows);
+    asdic_aim_side(beam, !across, lobe.along);
     lobe.scale_h = (float)(LOBE_WIDTH / fmax(horizontal * length_wl, 1e-3));
     lobe.beta_rad = (float)atan2(row[1], row[0]);
     lobe.tilt = (float)(row[2] / fmax(horizontal, 1e-6));

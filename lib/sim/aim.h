@@ -18,6 +18,9 @@
  * along the horizontal side, along the vertical side). */
 dev_beam asdic_aim_beam(const asdic_beam *beam, const asdic_pose *pose, double wavelength_m);
 
+/* The direction of a side of BEAM, pi times as long as the side in wavelengths. */
+void asdic_aim_side(const dev_beam *beam, bool vertical, float side[3]);
+
 /* Fills LOBES (at most DEV_MAX_LOBES) for SAMPLER from the aimed transmitter (beams[0]) and its
  * receivers; returns how many. REAR: the apertures also leak backwards. */
 unsigned asdic_aim_lobes(asdic_sampler sampler, const dev_beam *beams, size_t receiver_count,

@@ -279,6 +279,8 @@ static void aim_beams(const asdic_simulator *sim, const asdic_ping_shot *shot) {
                         ping->rear_lin > 0.0f, ping->sampling.lobe);
     ping->sampling.footprint_rays = (float)asdic_aim_footprint_rays(ping->sampling.lobe);
     memcpy(ping->sampling.front, beams[0].rows, sizeof ping->sampling.front);
+    asdic_aim_side(&beams[0], false, ping->sampling.sender_y);
+    asdic_aim_side(&beams[0], true, ping->sampling.sender_z);
     ping->sampling.front_azimuth_rad = atan2f(ping->sampling.front[1], ping->sampling.front[0]);
     asdic_beam_fan_describe(&sim->fan, beams, ping);
 }

@@ -137,11 +137,69 @@ static void no_ray_weighs_without_end(void **state) {
     assert_true(most > 0.0f && most < 50.0f);
 }
 
+/* Narrow faces that leak, pitched away from the only plane: it is loudest where it lies behind them. The worst of some
+ * pings there. */
+static void what_leaks_backwards_is_heard(void **state) {
+    (void)state;
+    enum { PINGS = 8 };
+    static const double pitch_deg[] = {20.0, 30.0, 45.0, -20.0, -30.0, -45.0};
+    for (size_t k = 0; k < sizeof pitch_deg / sizeof *pitch_deg; k++) {
+        bool down = pitch_deg[k] > 0.0;
+        ping_rig r = rig_create(&t);
+        asdic_scene_destroy(&r.scene);
+        assert_ok(t.ctx, asdic_scene_create(t.ctx, &r.scene));
+        asdic_scene_set_surface(r.scene, down);
+        if (!down) {
+            assert_ok(t.ctx,
+                      asdic_scene_set_bottom_plane(r.scene, 12.0, asdic_material_bottom(2.0)));
+        }
+        r.pose.position_m.z = 6.0;
+        r.env.particle_strength_db = -200.0;
+        r.sonar.frequency_hz = 120e3;
+        r.sonar.rear_floor_db = -20.0;
+        r.sonar.receiver_count = 1;
+        r.sonar.transmitter.length_h_m = 0.3;
+        r.sonar.transmitter.length_v_m = 0.1;
+        r.sonar.transmitter.pitch_rad = pitch_deg[k] * RIG_DEGREE;
+        r.receivers[0] = r.sonar.transmitter;
+        asdic_simulator *sim = rig_simulator(&r);
+        size_t bins = asdic_simulator_bin_count(sim), loudest = 0;
+        asdic_ping *ping = NULL, *truth = NULL;
+        asdic_flat_scene flat = {.has_surface = down,
+                                 .has_bottom = !down,
+                                 .altitude_m = 6.0,
+                                 .depth_m = 6.0,
+                                 .bottom = asdic_material_bottom(2.0)};
+        assert_ok(t.ctx, asdic_ping_create(t.ctx, 1, bins, &ping));
+        assert_ok(t.ctx, asdic_ping_create(t.ctx, 1, bins, &truth));
+        assert_ok(t.ctx, asdic_expected_compute(t.ctx, &flat, &r.env, &r.sonar, &r.pose, truth));
+        for (size_t n = 1; n < bins; n++) {
+            const double *lin = truth->intensity_lin[ASDIC_TOTAL];
+            loudest = lin[n] > lin[loudest] ? n : loudest;
+        }
+        double most = 0.0, want = asdic_level_db(truth->intensity_lin[ASDIC_TOTAL][loudest]);
+        assert_ok(t.ctx, asdic_simulator_learn(sim, &r.pose, 0));
+        for (uint64_t p = 0; p < PINGS; p++) {
+            assert_ok(t.ctx, asdic_simulator_ping(sim, &r.pose, p, ping));
+            double off = asdic_level_db(ping->intensity_lin[ASDIC_TOTAL][loudest]) - want;
+            most = fmax(most, fabs(off));
+        }
+        print_message("pitched %.0f degrees: %.1f dB in bin %zu, %.2f dB off at most\n",
+                      pitch_deg[k], want, loudest, most);
+        assert_true(most < 1.0);
+        asdic_ping_destroy(&ping);
+        asdic_ping_destroy(&truth);
+        asdic_simulator_destroy(&sim);
+        rig_destroy(&r);
+    }
+}
+
 int main(void) {
     t = test_device_open_or_skip();
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(errors_stay_small),
         cmocka_unit_test(no_ray_weighs_without_end),
+        cmocka_unit_test(what_leaks_backwards_is_heard),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     test_device_close(&t);
