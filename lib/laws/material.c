@@ -128,6 +128,34 @@ asdic_status asdic_material_read_rows(asdic_context *ctx, asdic_material *materi
     return status;
 }
 
+static const struct {
+    unsigned use;
+    const char *words;
+} uses[] = {{ASDIC_LAW_BOTTOM, "a bottom"},
+            {ASDIC_LAW_OBJECT, "an object"},
+            {ASDIC_LAW_SURFACE, "the sea surface"}};
+
+asdic_status asdic_material_check_use(asdic_context *ctx, const asdic_material *material,
+                                      unsigned use) {
+    TRY(asdic_material_check(ctx, material));
+    if (material->law->uses & use) {
+        return ASDIC_OK;
+    }
+    char names[256] = "";
+    size_t used = 0, u = 0;
+    for (size_t i = 0; i < asdic_law_count() && used < sizeof names; i++) {
+        asdic_law_info law = asdic_law_get_info(asdic_law_get(i));
+        used += law.uses & use ? (size_t)snprintf(names + used, sizeof names - used, "%s%s",
+                                                  used ? ", " : "", law.name)
+                               : 0;
+    }
+    while (uses[u].use != use) {
+        u++;
+    }
+    return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "%s is no law of %s; those are %s",
+                      material->law->name, uses[u].words, names);
+}
+
 asdic_status asdic_material_check(asdic_context *ctx, const asdic_material *material) {
     if (!material || !material->law) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "a material without a scattering law");

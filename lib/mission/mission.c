@@ -249,7 +249,7 @@ asdic_status asdic_mission_choose(asdic_context *ctx, asdic_mission *mission,
     TRY(asdic_environment_check(ctx, &environment));
     TRY(asdic_sonar_check(ctx, &sonar));
     if (choices->bottom.law || mission->bottom.law) {
-        TRY(asdic_material_check(ctx, &choices->bottom));
+        TRY(asdic_material_check_use(ctx, &choices->bottom, ASDIC_LAW_BOTTOM));
     }
     if (choices->rays < 64 || choices->rays > 1u << 28) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,

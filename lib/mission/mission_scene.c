@@ -372,7 +372,7 @@ static asdic_status build_ground(mission_builder *b) {
     if (b->mission->geometry) {
         TRY(asdic_scene_keep_ground(b->mission->scene));
     }
-    asdic_scene_set_surface(b->mission->scene, file->surface.enabled);
+    TRY(asdic_scene_set_surface(b->mission->scene, file->surface.enabled));
     asdic_material_file rows;
     asdic_material surface = asdic_scene_file_surface(file, &rows);
     TRY(read_rows(b, &rows, &surface));

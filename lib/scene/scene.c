@@ -68,18 +68,29 @@ void asdic_scene_destroy(asdic_scene **scene) {
     *scene = NULL;
 }
 
-void asdic_scene_set_surface(asdic_scene *scene, bool enabled) {
-    if (!scene) {
-        return;
+static asdic_status check_open(const asdic_scene *scene) {
+    if (scene->committed) {
+        return asdic_fail(scene->ctx, ASDIC_ERROR_ARGUMENT,
+                          "the scene is committed; nothing can be added or changed any more");
     }
+    return ASDIC_OK;
+}
+
+asdic_status asdic_scene_set_surface(asdic_scene *scene, bool enabled) {
+    if (!scene) {
+        return asdic_fail_null(NULL, __func__);
+    }
+    TRY(check_open(scene));
     scene->has_surface = enabled;
+    return ASDIC_OK;
 }
 
 asdic_status asdic_scene_set_surface_law(asdic_scene *scene, asdic_material material) {
     if (!scene) {
         return asdic_fail_null(NULL, __func__);
     }
-    TRY(asdic_material_check(scene->ctx, &material));
+    TRY(check_open(scene));
+    TRY(asdic_material_check_use(scene->ctx, &material, ASDIC_LAW_SURFACE));
     scene->surface = material;
     return ASDIC_OK;
 }
@@ -91,21 +102,13 @@ void asdic_scene_set_threads(asdic_scene *scene, unsigned threads) {
     scene->threads = threads;
 }
 
-static asdic_status check_open(const asdic_scene *scene) {
-    if (scene->committed) {
-        return asdic_fail(scene->ctx, ASDIC_ERROR_ARGUMENT,
-                          "the scene is committed; nothing can be added to it any more");
-    }
-    return ASDIC_OK;
-}
-
 static bool in_range(double value, double low, double high) {
     return value >= low && value <= high; /* false for NAN */
 }
 
-static asdic_status add_material(asdic_scene *scene, const asdic_material *material,
+static asdic_status add_material(asdic_scene *scene, const asdic_material *material, unsigned use,
                                  size_t *index) {
-    TRY(asdic_material_check(scene->ctx, material));
+    TRY(asdic_material_check_use(scene->ctx, material, use));
     asdic_material *grown = realloc(scene->materials, (scene->material_count + 1) * sizeof *grown);
     if (!grown) {
         return asdic_fail_memory(scene->ctx, "a material");
@@ -126,7 +129,7 @@ asdic_status asdic_scene_set_bottom_plane(asdic_scene *scene, double depth_m,
         return asdic_fail(scene->ctx, ASDIC_ERROR_ARGUMENT,
                           "bottom depth %g m is out of range [0, 12000]", depth_m);
     }
-    TRY(add_material(scene, &material, &scene->bottom_plane_material));
+    TRY(add_material(scene, &material, ASDIC_LAW_BOTTOM, &scene->bottom_plane_material));
     scene->has_bottom_plane = true;
     scene->bottom_plane_depth_m = depth_m;
     return ASDIC_OK;
@@ -211,7 +214,8 @@ static asdic_status add_part(asdic_scene *scene, asdic_part *part, const asdic_m
         return asdic_fail_memory(scene->ctx, "an object");
     }
     scene->parts = grown;
-    TRY(add_material(scene, material, &part->material));
+    unsigned use = part->kind == DEV_KIND_OBJECT ? ASDIC_LAW_OBJECT : ASDIC_LAW_BOTTOM;
+    TRY(add_material(scene, material, use, &part->material));
     place_triangles(scene, mesh, pose);
     part->number = part->kind == DEV_KIND_OBJECT ? (unsigned)++scene->object_count : 0;
     scene->parts[scene->part_count++] = *part;

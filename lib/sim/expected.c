@@ -153,17 +153,22 @@ static asdic_status check(asdic_context *ctx, const asdic_expected_place *place,
     TRY(asdic_sonar_check(ctx, sonar));
     TRY(asdic_pose_check(ctx, &attitude));
     if (!isfinite(flat->depth_m) || (flat->has_surface && flat->depth_m < 0.0)) {
-        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
-                          "flat scene: the sonar is %g m above the surface", -flat->depth_m);
+        return asdic_fail(
+            ctx, ASDIC_ERROR_ARGUMENT,
+            "flat scene: the sonar's depth, %g m, must be finite and at least 0 below "
+            "a surface",
+            flat->depth_m);
     }
     if (flat->has_bottom && !(flat->altitude_m >= 0.0 && isfinite(flat->altitude_m))) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
-                          "flat scene: the sonar is %g m below the bottom", -flat->altitude_m);
+                          "flat scene: the sonar's altitude, %g m above the bottom, must be finite "
+                          "and at least 0",
+                          flat->altitude_m);
     }
     const asdic_material *bottom = flat->has_bottom ? &flat->bottom : NULL;
     const asdic_material *surface = flat->has_surface && flat->surface.law ? &flat->surface : NULL;
-    if ((bottom && asdic_material_check(ctx, bottom)) ||
-        (surface && asdic_material_check(ctx, surface))) {
+    if ((bottom && asdic_material_check_use(ctx, bottom, ASDIC_LAW_BOTTOM)) ||
+        (surface && asdic_material_check_use(ctx, surface, ASDIC_LAW_SURFACE))) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "flat scene: %s", asdic_context_error(ctx));
     }
     if (ping->beams != sonar->receiver_count) {

@@ -64,7 +64,55 @@ static void a_scene_is_committed_once(void **state) {
                   ASDIC_ERROR_ARGUMENT);
     assert_status(t.ctx, asdic_scene_set_bottom_plane(scene, 9.0, asdic_material_bottom(2.0)),
                   ASDIC_ERROR_ARGUMENT);
+    assert_status(t.ctx, asdic_scene_set_surface(scene, false), ASDIC_ERROR_ARGUMENT);
+    assert_true(asdic_scene_get_info(scene).has_surface);
+    assert_status(
+        t.ctx, asdic_scene_set_surface_law(scene, asdic_material_of(asdic_law_find("apl-surface"))),
+        ASDIC_ERROR_ARGUMENT);
     assert_status(t.ctx, asdic_scene_commit(scene), ASDIC_ERROR_ARGUMENT);
+    asdic_mesh_destroy(&box);
+    asdic_scene_destroy(&scene);
+}
+
+/* A law is taken for what law.h says it is made for. */
+static void laws_are_taken_for_their_uses(void **state) {
+    (void)state;
+    asdic_scene *scene = NULL;
+    asdic_mesh *box = NULL;
+    asdic_ping *ping = NULL;
+    asdic_pose here = {.position_m = {5.0, 0.0, 5.0}};
+    asdic_environment env = asdic_environment_default();
+    asdic_beam one = beam();
+    asdic_sonar sonar = sonar_of(&one);
+    assert_ok(t.ctx, asdic_scene_create(t.ctx, &scene));
+    assert_ok(t.ctx, asdic_mesh_box(t.ctx, (asdic_vec3){1.0, 1.0, 1.0}, &box));
+    assert_ok(t.ctx, asdic_ping_create(t.ctx, 1, BINS, &ping));
+    for (size_t i = 0; i < asdic_law_count(); i++) {
+        asdic_law_info law = asdic_law_get_info(asdic_law_get(i));
+        asdic_material m = asdic_material_of(asdic_law_get(i));
+        const double rows[] = {1.0, -30.0, 90.0, -10.0};
+        m.rows = rows;
+        m.row_count = 2;
+        asdic_flat_scene flat = {true, true, 5.0, 5.0, m, {0}};
+        asdic_flat_scene up = {true, true, 5.0, 5.0, asdic_material_bottom(2.0), m};
+        asdic_status bottom = law.uses & ASDIC_LAW_BOTTOM ? ASDIC_OK : ASDIC_ERROR_ARGUMENT;
+        asdic_status surface = law.uses & ASDIC_LAW_SURFACE ? ASDIC_OK : ASDIC_ERROR_ARGUMENT;
+        asdic_status object = law.uses & ASDIC_LAW_OBJECT ? ASDIC_OK : ASDIC_ERROR_ARGUMENT;
+        assert_status(t.ctx, asdic_scene_set_bottom_plane(scene, 12.0, m), bottom);
+        assert_status(t.ctx, asdic_scene_add_bottom(scene, box, here, m), bottom);
+        assert_status(t.ctx, asdic_scene_set_surface_law(scene, m), surface);
+        assert_status(t.ctx, asdic_scene_add_object(scene, "a", box, here, m), object);
+        assert_status(t.ctx, asdic_expected_compute(t.ctx, &flat, &env, &sonar, &here, ping),
+                      bottom);
+        assert_status(t.ctx, asdic_expected_compute(t.ctx, &up, &env, &sonar, &here, ping),
+                      surface);
+    }
+    assert_status(
+        t.ctx,
+        asdic_scene_set_bottom_plane(scene, 12.0, asdic_material_of(asdic_law_find("course"))),
+        ASDIC_ERROR_ARGUMENT);
+    assert_contains(asdic_context_error(t.ctx), "course is no law of a bottom; those are ");
+    asdic_ping_destroy(&ping);
     asdic_mesh_destroy(&box);
     asdic_scene_destroy(&scene);
 }
@@ -203,6 +251,7 @@ int main(void) {
     t = test_device_open_or_skip();
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_scene_is_committed_once),
+        cmocka_unit_test(laws_are_taken_for_their_uses),
         cmocka_unit_test(numbers_beyond_limits_are_refused),
         cmocka_unit_test(a_ping_that_does_not_fit_is_refused_and_the_next_works),
         cmocka_unit_test(two_threads_with_a_context_each),

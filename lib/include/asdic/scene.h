@@ -19,16 +19,18 @@ typedef struct asdic_scene asdic_scene;
 ASDIC_API asdic_status asdic_scene_create(asdic_context *ctx, asdic_scene **out);
 ASDIC_API void asdic_scene_destroy(asdic_scene **scene);
 
-/* The plane z = 0; on in a new scene, with the law of the course. */
-ASDIC_API void asdic_scene_set_surface(asdic_scene *scene, bool enabled);
+/* The plane z = 0; on in a new scene, with the law of the course. Surface and bottom plane:
+ * ASDIC_ERROR_ARGUMENT: the scene is committed, MATERIAL's law is not made for it or a field of it
+ * out of range. */
+ASDIC_API asdic_status asdic_scene_set_surface(asdic_scene *scene, bool enabled);
 ASDIC_API asdic_status asdic_scene_set_surface_law(asdic_scene *scene, asdic_material material);
 ASDIC_API asdic_status asdic_scene_set_bottom_plane(asdic_scene *scene, double depth_m,
                                                     asdic_material material);
 
 /* Adds a mesh as (part of) the bottom or as an object, placed by POSE (mesh frame to world). The
  * mesh is copied. NAME identifies an object in detections; the bottom has none.
- * ASDIC_ERROR_ARGUMENT: the scene is committed, a field of MATERIAL is out of range, POSE is not
- * finite. */
+ * ASDIC_ERROR_ARGUMENT: the scene is committed, MATERIAL's law is not made for it, a field of
+ * MATERIAL is out of range, POSE is not finite. */
 ASDIC_API asdic_status asdic_scene_add_bottom(asdic_scene *scene, const asdic_mesh *mesh,
                                               asdic_pose pose, asdic_material material);
 ASDIC_API asdic_status asdic_scene_add_object(asdic_scene *scene, const char *name,
