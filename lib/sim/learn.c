@@ -347,6 +347,7 @@ asdic_status asdic_simulator_learn(asdic_simulator *sim, const asdic_pose *pose,
         return ASDIC_OK;
     }
     TRY(asdic_pose_check(sim->ctx, pose));
+    TRY(asdic_simulator_check_depth(sim->ctx, pose->position_m.z));
     TRY(asdic_simulator_center(sim, pose->position_m));
     asdic_simulator_forget(sim);
     sim->learnt.lesson = asdic_lesson_at(sim->setup.scene, &sim->setup.sonar, pose);

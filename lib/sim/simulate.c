@@ -439,7 +439,8 @@ static asdic_status check_ping(const asdic_simulator *sim, const asdic_pose *pos
                           "the ping has truth, the simulator was made without: set 'truth' of its "
                           "asdic_sampling");
     }
-    return asdic_pose_check(sim->ctx, pose);
+    TRY(asdic_pose_check(sim->ctx, pose));
+    return asdic_simulator_check_depth(sim->ctx, pose->position_m.z);
 }
 
 /* How many of the COUNT pings at POSES go to the device at once: they see what moves in one frame. */

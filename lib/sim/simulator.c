@@ -509,6 +509,13 @@ static asdic_status furnish(asdic_simulator *sim, const asdic_water_column *wate
                                         : ASDIC_OK;
 }
 
+asdic_status asdic_simulator_check_depth(asdic_context *ctx, double depth_m) {
+    return fabs(depth_m) <= 11000.0
+               ? ASDIC_OK
+               : asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                            "the sonar's depth, %g m, is out of range [-11000, 11000] m", depth_m);
+}
+
 asdic_status asdic_simulator_create_with(asdic_context *ctx, asdic_device *device,
                                          const asdic_scene *scene, const asdic_environment *env,
                                          const asdic_sonar *sonar, const asdic_sampling *sampling,
@@ -518,10 +525,7 @@ asdic_status asdic_simulator_create_with(asdic_context *ctx, asdic_device *devic
         return asdic_fail_null(ctx, "asdic_simulator_create");
     }
     TRY(check_arguments(ctx, scene, env, sonar, sampling));
-    if (!(fabs(depth_m) <= 11000.0)) {
-        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
-                          "the sonar's depth, %g m, is out of range [-11000, 11000] m", depth_m);
-    }
+    TRY(asdic_simulator_check_depth(ctx, depth_m));
     asdic_simulator *sim = calloc(1, sizeof *sim);
     if (!sim) {
         return asdic_fail_memory(ctx, "a simulator");

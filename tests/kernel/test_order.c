@@ -175,6 +175,10 @@ static void a_ping_that_does_not_fit_is_refused_and_the_next_works(void **state)
     assert_status(t.ctx, asdic_simulator_ping(sim, &pose, 0, small), ASDIC_ERROR_ARGUMENT);
     assert_status(t.ctx, asdic_simulator_ping(sim, &bad, 0, right), ASDIC_ERROR_ARGUMENT);
     assert_status(t.ctx, asdic_simulator_learn(sim, &bad, 0), ASDIC_ERROR_ARGUMENT);
+    asdic_pose deep = {.position_m = {0.0, 0.0, 11001.0}};
+    assert_status(t.ctx, asdic_simulator_ping(sim, &deep, 0, right), ASDIC_ERROR_ARGUMENT);
+    assert_contains(asdic_context_error(t.ctx), "11001 m, is out of range [-11000, 11000] m");
+    assert_status(t.ctx, asdic_simulator_learn(sim, &deep, 0), ASDIC_ERROR_ARGUMENT);
     bad.position_m.y = 1e100; /* beyond float */
     assert_status(t.ctx, asdic_simulator_ping(sim, &bad, 0, right), ASDIC_ERROR_ARGUMENT);
     assert_status(t.ctx, asdic_simulator_learn(sim, &bad, 0), ASDIC_ERROR_ARGUMENT);

@@ -177,9 +177,9 @@ ASDIC_API bool asdic_simulator_learn_is_due(const asdic_simulator *sim, const as
                                             uint64_t index);
 
 /* Simulates ping number INDEX with the vehicle at POSE, and waits for it. PING must have the
- * simulator's number of beams and bins. ASDIC_ERROR_ARGUMENT: it has others, or POSE is not
- * finite; ASDIC_ERROR_MEMORY, ASDIC_ERROR_DEVICE_LOST: the device failed, and the simulator can
- * only be destroyed. */
+ * simulator's number of beams and bins. ASDIC_ERROR_ARGUMENT: it has others, or POSE is not finite
+ * or deeper than 11,000 m; ASDIC_ERROR_MEMORY, ASDIC_ERROR_DEVICE_LOST: the device failed, and the
+ * simulator can only be destroyed. */
 ASDIC_API asdic_status asdic_simulator_ping(asdic_simulator *sim, const asdic_pose *pose,
                                             uint64_t index, asdic_ping *ping);
 
