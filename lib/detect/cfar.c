@@ -100,8 +100,15 @@ static double average(window *w) {
 
 static bool is_good(asdic_cfar_kind kind, unsigned count, unsigned rank, unsigned looks,
                     double factor) {
-    return count >= 1 && count <= 2 * ASDIC_CFAR_MOST_CELLS && looks >= 1 && looks <= 1000 &&
-           factor >= 0.0 && (kind == ASDIC_CFAR_CA || (rank >= 1 && rank <= count));
+    return (unsigned)kind <= ASDIC_CFAR_OS && count >= 1 && count <= 2 * ASDIC_CFAR_MOST_CELLS &&
+           looks >= 1 && looks <= 1000 && factor >= 0.0 &&
+           (kind == ASDIC_CFAR_CA || (rank >= 1 && rank <= count));
+}
+
+static asdic_status check_kind(asdic_context *ctx, asdic_cfar_kind kind) {
+    return (unsigned)kind <= ASDIC_CFAR_OS
+               ? ASDIC_OK
+               : asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "no CFAR of kind %d", (int)kind);
 }
 
 double asdic_cfar_pfa(asdic_cfar_kind kind, unsigned count, unsigned rank, unsigned looks,
@@ -140,7 +147,8 @@ double asdic_cfar_pfa(asdic_cfar_kind kind, unsigned count, unsigned rank, unsig
 
 double asdic_cfar_pd(asdic_cfar_kind kind, unsigned count, unsigned rank, unsigned looks,
                      double factor, asdic_target target, double snr) {
-    if (!is_good(kind, count, rank, looks, factor) || !(snr >= 0.0)) {
+    if (!is_good(kind, count, rank, looks, factor) || !asdic_target_is_known(target) ||
+        !(snr >= 0.0)) {
         return NAN;
     }
     if (isinf(factor)) {
@@ -163,6 +171,7 @@ asdic_status asdic_cfar_factor(asdic_context *ctx, asdic_cfar_kind kind, unsigne
     if (!factor) {
         return asdic_fail_null(ctx, __func__);
     }
+    TRY(check_kind(ctx, kind));
     if (!is_good(kind, count, rank, looks, 0.0) || !(pfa > 0.0 && pfa < 1.0)) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
                           "CFAR over %u bins (1..%u), rank %u, %u looks (1..1000), P_FA %g (0..1)",
@@ -298,6 +307,7 @@ static asdic_status find_scale(asdic_context *ctx, const asdic_cfar *cfar, unsig
 }
 
 asdic_status asdic_cfar_check(asdic_context *ctx, const asdic_cfar *cfar) {
+    TRY(check_kind(ctx, cfar->kind));
     if (cfar->cells < 1 || cfar->cells > ASDIC_CFAR_MOST_CELLS ||
         cfar->guard > ASDIC_SONAR_MAX_BINS || !(cfar->rank > 0.0 && cfar->rank <= 1.0)) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,

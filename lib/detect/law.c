@@ -42,6 +42,10 @@ asdic_background asdic_background_blurred(asdic_background b, double stderr_db) 
     return b;
 }
 
+bool asdic_target_is_known(asdic_target target) {
+    return (unsigned)target <= ASDIC_TARGET_SWERLING2;
+}
+
 int asdic_target_code(asdic_target target) {
     return target == ASDIC_TARGET_SWERLING0   ? TARGET_STEADY
            : target == ASDIC_TARGET_SWERLING1 ? TARGET_SWERLING1
@@ -79,7 +83,8 @@ double asdic_detect_pfa(const asdic_background *b, double threshold_lin) {
 
 double asdic_detect_pd(const asdic_background *b, asdic_target target, double target_lin,
                        double threshold_lin) {
-    if (!asdic_background_is_good(b) || isnan(threshold_lin) || !(target_lin >= 0.0)) {
+    if (!asdic_background_is_good(b) || !asdic_target_is_known(target) || isnan(threshold_lin) ||
+        !(target_lin >= 0.0)) {
         return NAN;
     }
     double snr = target_lin / b->mean_lin;

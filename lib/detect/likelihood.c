@@ -195,7 +195,8 @@ static void average_textures(const asdic_background *b, asdic_target target, dou
 void asdic_detect_llrs(const asdic_background *b, asdic_target target, const double *target_lin,
                        size_t count, double intensity_lin, double *llr) {
     double m = (double)b->looks, x = m * intensity_lin / b->mean_lin, snr[ASDIC_LLRS_MOST] = {0.0};
-    bool is_good = asdic_background_is_good(b) && intensity_lin >= 0.0;
+    bool is_good =
+        asdic_background_is_good(b) && asdic_target_is_known(target) && intensity_lin >= 0.0;
     bool is_textured = b->shape <= ASDIC_SHAPE_MAX && b->noise_share < 1.0;
     for (size_t i = 0; i < count; i++) {
         snr[i] = target_lin[i] / b->mean_lin;

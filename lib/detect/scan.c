@@ -62,6 +62,10 @@ asdic_status asdic_scan_create(asdic_context *ctx, const asdic_sonar *sonar, dou
                           "a detector with prior %g (between 0 and 1), costs %g (above 0)",
                           detector->prior, detector->cost_ratio);
     }
+    if (!asdic_target_is_known(detector->target)) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "a detector for targets of no kind, %d",
+                          (int)detector->target);
+    }
     if (!(detector->pfa > 0.0 && detector->pfa < 1.0) || !isfinite(detector->snr_db)) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
                           "a detector of P_FA %g (between 0 and 1) for targets of %g dB",

@@ -46,10 +46,12 @@ asdic_status asdic_detect_threshold_llr(asdic_context *ctx, const asdic_backgrou
         return asdic_fail_null(ctx, __func__);
     }
     TRY(asdic_background_check(ctx, b));
-    if (!(target_lin > 0.0) || !isfinite(target_lin) || isnan(llr)) {
+    if (!(target_lin > 0.0) || !isfinite(target_lin) || isnan(llr) ||
+        !asdic_target_is_known(target)) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
-                          "a target of intensity %g, a log-likelihood ratio of %g: no threshold",
-                          target_lin, llr);
+                          "a target of kind %d and intensity %g, a log-likelihood ratio of %g: no "
+                          "threshold",
+                          (int)target, target_lin, llr);
     }
     /* Neither target nor clutter is more than 1000 times its mean, but for negligible shares. */
     double most = 1e3 * (b->mean_lin * fmax(1.0, 1.0 / b->shape) + target_lin);

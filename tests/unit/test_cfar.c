@@ -362,8 +362,14 @@ static void arguments_have_limits(void **state) {
     assert_true(isnan(asdic_cfar_pfa(ASDIC_CFAR_CA, 4, 0, 1, -1.0)));
     assert_true(isnan(asdic_cfar_pd(ASDIC_CFAR_OS, 4, 5, 1, 2.0, ASDIC_TARGET_SWERLING1, snr)));
     assert_true(isnan(asdic_cfar_pd(ASDIC_CFAR_CA, 4, 0, 1, 2.0, ASDIC_TARGET_SWERLING1, -1.0)));
+    assert_true(isnan(asdic_cfar_pd(ASDIC_CFAR_CA, 4, 0, 1, 2.0, (asdic_target)7, snr)));
+    assert_true(isnan(asdic_cfar_pfa((asdic_cfar_kind)5, 4, 2, 1, 2.0)));
     assert_status(ctx, asdic_cfar_factor(ctx, ASDIC_CFAR_OS, 4, 4, 1, 0.1, NULL),
                   ASDIC_ERROR_ARGUMENT);
+    double factor;
+    assert_status(ctx, asdic_cfar_factor(ctx, (asdic_cfar_kind)5, 4, 4, 1, 0.1, &factor),
+                  ASDIC_ERROR_ARGUMENT);
+    assert_string_equal(asdic_context_error(ctx), "no CFAR of kind 5");
     double z[2] = {1.0, 2.0}, out[2];
     asdic_cfar of = asdic_cfar_default();
     assert_status(ctx, asdic_cfar_row(ctx, NULL, 1, 0.1, z, 2, out, out), ASDIC_ERROR_ARGUMENT);
@@ -375,7 +381,8 @@ static void arguments_have_limits(void **state) {
                                 {ASDIC_CFAR_CA, 8, ASDIC_SONAR_MAX_BINS + 1, 1.0},
                                 {ASDIC_CFAR_OS, 8, ~0u, 1.0},
                                 {ASDIC_CFAR_OS, 8, 1, 0.0},
-                                {ASDIC_CFAR_OS, 8, 1, 1.01}};
+                                {ASDIC_CFAR_OS, 8, 1, 1.01},
+                                {(asdic_cfar_kind)5, 8, 1, 0.5}};
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
         assert_status(ctx, asdic_cfar_row(ctx, &wrong[i], 1, 0.1, z, 2, out, out),
                       ASDIC_ERROR_ARGUMENT);

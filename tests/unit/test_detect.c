@@ -201,6 +201,13 @@ static void wrong_arguments(void **state) {
     assert_status(ctx,
                   asdic_detect_threshold_llr(ctx, &b, ASDIC_TARGET_SWERLING1, 0.0, 1.0, &threshold),
                   ASDIC_ERROR_ARGUMENT);
+    for (int kind = -1; kind <= 7; kind += 8) {
+        assert_true(isnan(asdic_detect_pd(&b, (asdic_target)kind, 10.0, 2.0)));
+        assert_true(isnan(asdic_detect_llr(&b, (asdic_target)kind, 10.0, 2.0)));
+        assert_status(ctx,
+                      asdic_detect_threshold_llr(ctx, &b, (asdic_target)kind, 1.0, 1.0, &threshold),
+                      ASDIC_ERROR_ARGUMENT);
+    }
 }
 
 int main(void) {

@@ -331,6 +331,26 @@ static void settings_replace_and_add(void **state) {
     asdic_mission_destroy(&m);
 }
 
+static void targets_without_a_bearing_are_refused(void **state) {
+    (void)state;
+    asdic_mission *m = NULL;
+    asdic_roc *roc = NULL;
+    asdic_device *unused = (asdic_device *)&roc;
+    assert_ok(ctx, asdic_mission_load(ctx, DATA_DIR "/scenes/scenario2.yaml", &m));
+    const double bad[] = {NAN, INFINITY, -INFINITY};
+    for (size_t i = 0; i < 4; i++) {
+        asdic_roc_options options = asdic_roc_options_default();
+        options.range_m = 20.0;
+        options.target_strength_db = -20.0;
+        options.bearing_rad = i < 3 ? bad[i] : 0.0;
+        options.target = i < 3 ? options.target : (asdic_target)7;
+        assert_status(ctx, asdic_roc_compute(ctx, m, unused, &options, &roc), ASDIC_ERROR_ARGUMENT);
+        assert_contains(asdic_context_error(ctx), i < 3 ? "bearing of " : "no kind, 7");
+        assert_null(roc);
+    }
+    asdic_mission_destroy(&m);
+}
+
 static char last[1024];
 
 static void remember(void *user, asdic_log_level level, const char *message) {
@@ -409,6 +429,7 @@ int main(void) {
         cmocka_unit_test(pairs_compare_better),
         cmocka_unit_test(bands_hold_what_the_laws_leave_open),
         cmocka_unit_test(settings_replace_and_add),
+        cmocka_unit_test(targets_without_a_bearing_are_refused),
         cmocka_unit_test(wrong_settings_are_named),
     };
     return cmocka_run_group_tests(tests, context_begin, context_end);

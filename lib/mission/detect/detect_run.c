@@ -248,6 +248,9 @@ static asdic_status try_to_simulate(asdic_detect_job *job) {
 static asdic_status choose_background(asdic_detect_job *job) {
     asdic_background_source wanted =
         job->options->has_cfar ? ASDIC_BACKGROUND_CFAR : job->options->background;
+    if ((unsigned)wanted > ASDIC_BACKGROUND_CFAR) {
+        return asdic_fail(job->ctx, ASDIC_ERROR_ARGUMENT, "no background of kind %d", (int)wanted);
+    }
     bool is_auto = wanted == ASDIC_BACKGROUND_AUTO;
     bool is_plane = strcmp(job->run->facts.bottom, ASDIC_RUN_BOTTOM_MESH) != 0, mirrors = false;
     TRY(find_mirrors(job, &mirrors));

@@ -9,6 +9,7 @@
 #include "base/text.h"
 #include "base/try.h"
 #include "base/vec.h"
+#include "detect/law.h"
 #include "detect/roc_curve.h"
 #include "detect_background.h"
 #include "heard_range.h"
@@ -483,6 +484,13 @@ static asdic_status check(asdic_context *ctx, const asdic_mission *mission,
     if (o->object ? isfinite(o->range_m) : !has_range) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
                           "a target is an object of the scene, or a range with a target strength");
+    }
+    if (!asdic_target_is_known(o->target)) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "a target of no kind, %d", (int)o->target);
+    }
+    if (!isfinite(o->bearing_rad)) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "a target's bearing of %g rad is not finite",
+                          o->bearing_rad);
     }
     if (o->ping >= asdic_mission_ping_count(mission)) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "ping %zu of a mission of %zu", o->ping,
