@@ -350,7 +350,8 @@ const char *asdic_ros_type_name(asdic_ros_output output) {
 }
 
 bool asdic_ros_has(const asdic_ros *ros, asdic_ros_output output) {
-    return output != ASDIC_ROS_PICTURE || has_picture(&ros->sonar, &ros->about.sweep);
+    return (unsigned)output < ASDIC_ROS_OUTPUT_COUNT &&
+           (output != ASDIC_ROS_PICTURE || has_picture(&ros->sonar, &ros->about.sweep));
 }
 
 asdic_status asdic_ros_encode(asdic_ros *ros, asdic_ros_output output, const asdic_ros_ping *ping,
@@ -359,7 +360,7 @@ asdic_status asdic_ros_encode(asdic_ros *ros, asdic_ros_output output, const asd
         (output == ASDIC_ROS_DETECTIONS && !ping->detected)) {
         return asdic_fail_null(ros ? ros->ctx : NULL, __func__);
     }
-    if ((unsigned)output >= ASDIC_ROS_OUTPUT_COUNT || !asdic_ros_has(ros, output)) {
+    if (!asdic_ros_has(ros, output)) {
         return asdic_fail(ros->ctx, ASDIC_ERROR_ARGUMENT,
                           "no output %d of this sonar; a picture needs three beams or more at "
                           "ascending bearings, or a scan",

@@ -4,13 +4,16 @@
 
 #include <math.h>
 
+#define MOST_STEPS 1e6
+
 asdic_sweep asdic_sweep_of(double sector_rad, double step_rad) {
-    double count = rint(sector_rad / step_rad);
-    if (!(step_rad > 0.0) || !(count >= 1.0) || isinf(count)) {
+    double count = sector_rad / step_rad;
+    /* Degrees of a scene file may leave a step longer than its sector by their rounding. */
+    if (!(step_rad > 0.0) || !(count >= 1.0 - 1e-6 && count <= MOST_STEPS)) {
         return (asdic_sweep){0};
     }
     bool is_circle = sector_rad > 2.0 * ASDIC_PI - 1e-9;
-    size_t steps = (size_t)count;
+    size_t steps = (size_t)rint(count);
     return (asdic_sweep){.directions = steps + (is_circle ? 0 : 1),
                          .step_rad = sector_rad / (double)steps,
                          .is_circle = is_circle};

@@ -431,6 +431,8 @@ static void not_all_sonars_have_a_picture(void **state) {
         for (unsigned k = 0; k < ASDIC_ROS_OUTPUT_COUNT; k++) {
             assert_int_equal(asdic_ros_has(ros, k), k != ASDIC_ROS_PICTURE || rows[i].has);
         }
+        assert_false(asdic_ros_has(ros, (asdic_ros_output)-1));
+        assert_false(asdic_ros_has(ros, ASDIC_ROS_OUTPUT_COUNT));
         asdic_ros_destroy(&ros);
     }
 }

@@ -50,12 +50,15 @@ static void nothing_turns_without_steps(void **state) {
     assert_int_equal(sweep.directions, 0);
     assert_memory_equal(&sonar, &pose, sizeof pose);
     assert_close(asdic_sweep_bearing_rad(&sweep, 0), 0, 0);
-    const double none[][2] = {{60, 130}, {0, 10}, {60, NAN}, {NAN, 10}, {60, INFINITY}, {-60, 10}};
+    const double none[][2] = {{60, 130}, {60, 61},  {360, 540}, {60, 1e-300},   {60, 1e-5},
+                              {0, 10},   {60, NAN}, {NAN, 10},  {60, INFINITY}, {-60, 10}};
     for (size_t i = 0; i < sizeof none / sizeof *none; i++) {
         sweep = asdic_sweep_of(none[i][0] * DEG, none[i][1] * DEG);
         sonar = asdic_sweep_sonar(&sweep, &pose, 17);
+        assert_int_equal(sweep.directions, 0);
         assert_memory_equal(&sonar, &pose, sizeof pose);
     }
+    assert_int_equal(asdic_sweep_of(60 * DEG, 60.00003 * DEG).directions, 2); /* rounded */
 }
 
 /* What a beam aimed DOWN_RAD below the head's plane looks at is the head's direction in the

@@ -20,8 +20,8 @@ typedef struct asdic_sweep {
     bool is_circle;    /* the direction after the last is the first; else the way leads back */
 } asdic_sweep;
 
-/* SECTOR_RAD and its steps as a sweep; a step of 0, or longer than the sector, is none. The step
- * divides the sector. */
+/* SECTOR_RAD and its steps as a sweep; a step longer than the sector, or below a millionth of it,
+ * is none. The step divides the sector. */
 ASDIC_API asdic_sweep asdic_sweep_of(double sector_rad, double step_rad);
 
 /* Number of the direction at ping PING, from 0 at the port end; 0 where nothing turns. */
