@@ -30,6 +30,9 @@ static const char preset_words[] = ASDIC_MATERIAL_PRESETS(WORD);
 
 asdic_status asdic_material_find_impedance(asdic_context *ctx, const char *name,
                                            double *impedance_mrayl) {
+    if (!impedance_mrayl) {
+        return asdic_fail_null(ctx, __func__);
+    }
     for (size_t i = 0; name && i < PRESET_COUNT; i++) {
         if (strcmp(presets[i].name, name) == 0) {
             *impedance_mrayl = presets[i].impedance_mrayl;

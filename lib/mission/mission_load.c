@@ -313,9 +313,14 @@ static asdic_status name_run(asdic_context *ctx, const asdic_draw *draw, asdic_s
 
 static asdic_status load_file(asdic_context *ctx, const char *path, const mission_builder *how,
                               asdic_mission **out) {
-    if (!ASDIC_PLACE(out) || !path || (how->setting_count > 0 && !how->settings)) {
+    bool good = path && (how->settings || how->setting_count == 0);
+    for (size_t i = 0; good && i < how->setting_count; i++) {
+        good = how->settings[i].key && how->settings[i].value;
+    }
+    if (!ASDIC_PLACE(out) || !good) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
-                          "asdic_mission_load: no path, no settings, or nowhere to put it");
+                          "asdic_mission_load: no path, no settings, one without a key or a value, "
+                          "or nowhere to put the mission");
     }
     asdic_mission *m = calloc(1, sizeof *m);
     if (!m || !(m->path = strdup(path))) {

@@ -144,13 +144,15 @@ void asdic_canvas_scale(asdic_canvas *c, asdic_box box, const asdic_plot_axis *a
             ticks[i].label);
     }
     double labels = label_width(axis, max_count);
-    asdic_canvas_text(c,
-                      (asdic_text){.x = right + TICK_PX + 2.0 * GAP_PX + labels + ASDIC_TEXT_PX,
-                                   .y = box.y + 0.5 * box.h,
-                                   .align_x = 0.5,
-                                   .size_px = ASDIC_TEXT_PX,
-                                   .upwards = true},
-                      axis->label);
+    if (axis->label) {
+        asdic_canvas_text(c,
+                          (asdic_text){.x = right + TICK_PX + 2.0 * GAP_PX + labels + ASDIC_TEXT_PX,
+                                       .y = box.y + 0.5 * box.h,
+                                       .align_x = 0.5,
+                                       .size_px = ASDIC_TEXT_PX,
+                                       .upwards = true},
+                          axis->label);
+    }
 }
 
 void asdic_canvas_color_bar(asdic_canvas *c, asdic_box box, const asdic_picture_options *options) {

@@ -332,7 +332,11 @@ static asdic_status evaluate_law(asdic_context *ctx, asdic_device *device, size_
 
 asdic_status asdic_model_evaluate(asdic_context *ctx, asdic_device *device, const char *name,
                                   const char *const *assignments, size_t count, double *out) {
-    if (!name || !out || (!assignments && count > 0)) {
+    bool good = name && out && (assignments || count == 0);
+    for (size_t i = 0; good && i < count; i++) {
+        good = assignments[i] != NULL;
+    }
+    if (!good) {
         return asdic_fail_null(ctx, __func__);
     }
     double values[ASDIC_MODEL_MAX_KEYS] = {0.0};

@@ -71,7 +71,8 @@ static bool interferes(double depth_m, double wind_kn, const char *surface, char
         " \"bottom\": {\"depth_m\": 60}, \"surface\": {\"enabled\": %s},\n"
         " \"objects\": [{\"name\": \"buoy\", \"point\": {\"target_strength_db\": 0},\n"
         "  \"position_m\": [100, 0, %g]}],\n"
-        " \"sonar\": {\"frequency_khz\": 100, \"bandwidth_khz\": 6, \"ping_rate_hz\": 5, \"source_level_db\": 0,\n"
+        " \"sonar\": {\"frequency_khz\": 100, \"bandwidth_khz\": 6, \"ping_rate_hz\": 5, "
+        "\"source_level_db\": 0,\n"
         "  \"receivers\": [{\"name\": \"forward\"}]},\n"
         " \"mission\": {\"pose\": {\"position_m\": [0, 0, %g]}}}\n",
         wind_kn, surface, depth_m, depth_m);
@@ -164,9 +165,27 @@ static void sets_of_no_parts_or_no_folder_are_refused(void **state) {
                   ASDIC_ERROR_INPUT);
 }
 
+/* Calls that return a status say so of each argument that is NULL. */
+static void arguments_of_nothing_are_refused(void **state) {
+    (void)state;
+    const char *const keys[] = {"f_khz=100", NULL};
+    const asdic_setting nameless = {NULL, "1"}, worthless = {"sonar.frequency_khz", NULL};
+    asdic_mission *m = NULL;
+    double value;
+    assert_status(ctx, asdic_material_find_impedance(ctx, "steel", NULL), ASDIC_ERROR_ARGUMENT);
+    assert_status(ctx, asdic_model_evaluate(ctx, NULL, "absorption", keys, 2, &value),
+                  ASDIC_ERROR_ARGUMENT);
+    const char *scene = DATA_DIR "/scenes/scenario2.yaml";
+    assert_status(ctx, asdic_mission_load_with(ctx, scene, &nameless, 1, &m), ASDIC_ERROR_ARGUMENT);
+    assert_status(ctx, asdic_mission_load_with(ctx, scene, &worthless, 1, &m),
+                  ASDIC_ERROR_ARGUMENT);
+    assert_null(m);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(none_is_destroyed),
+        cmocka_unit_test(arguments_of_nothing_are_refused),
         cmocka_unit_test(no_mission_has_no_phase_and_no_size),
         cmocka_unit_test(a_target_and_its_image_interfere_within_a_cell),
         cmocka_unit_test(room_is_that_of_the_nearest_folder),

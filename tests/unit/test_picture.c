@@ -501,13 +501,13 @@ static void maps_follow_their_format_and_lines(void **state) {
     const float value = -100.0f;
     double east_m[5] = {0.1, 0.2, 0.5, 0.8, 0.9}, north_m[5] = {0.5, 0.5, 0.5, 0.5, 0.5};
     asdic_series line = {.x = east_m, .y = north_m, .count = 5, .rgb = 0x123456, .width = 1.0};
-    const asdic_map map = {.values = &value,
-                           .rows = 1,
-                           .columns = 1,
-                           .cell_m = 1,
-                           .label = "v",
-                           .lines = &line,
-                           .line_count = 1};
+    asdic_map map = {.values = &value,
+                     .rows = 1,
+                     .columns = 1,
+                     .cell_m = 1,
+                     .label = "v",
+                     .lines = &line,
+                     .line_count = 1};
     assert_int_equal(times_in_map(&map, "stroke-dasharray"), 0);
     line.style = ASDIC_LINE_DASHED;
     assert_int_equal(times_in_map(&map, "stroke-dasharray"), 1);
@@ -519,6 +519,8 @@ static void maps_follow_their_format_and_lines(void **state) {
     north_m[4] = INFINITY; /* a piece and a dot, and the dot of the end there */
     assert_true(times_in_map(&map, "M ") > moves);
     assert_int_equal(times_in_map(&map, "inf"), 0);
+    map.label = NULL; /* of values without a name */
+    assert_true(times_in_map(&map, "M ") > 0);
 }
 
 /* Each by one thing alone, and no file is left. */

@@ -143,7 +143,7 @@ typedef struct asdic_map {
     const float *values;
     size_t rows, columns;
     double north_m, east_m, cell_m; /* south-western corner; side of a cell */
-    const char *label;              /* of the values */
+    const char *label;              /* of the values; NULL: none */
     const asdic_series *lines;      /* drawn over it: x east, y north, metres; may be NULL */
     size_t line_count;
 } asdic_map;
