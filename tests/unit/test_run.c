@@ -263,6 +263,32 @@ static void interrupted_while_records_are_checked(void **state) {
     end(&f);
 }
 
+static void no_background_of_no_kind(void **state) {
+    (void)state;
+    fixture f;
+    begin(&f);
+    asdic_detect_options options = asdic_detect_options_default();
+    options.background = (asdic_background_source)9;
+    assert_int_equal(asdic_run_detect(f.ctx, in_folder("reference"), &options, NULL),
+                     ASDIC_ERROR_ARGUMENT);
+    assert_string_equal(asdic_context_error(f.ctx), "no background of kind 9");
+    end(&f);
+}
+
+/* An interruption from before the run replaces nothing. */
+static void interrupted_before_it_replaces(void **state) {
+    (void)state;
+    fixture f;
+    begin(&f);
+    assert_int_equal(run(&f, 1, asdic_run_options_default(), "kept"), ASDIC_OK);
+    asdic_context_interrupt(f.ctx);
+    asdic_run_options force = {.count = SIZE_MAX, .force = true};
+    assert_int_equal(run(&f, 1, force, "kept"), ASDIC_ERROR_INTERRUPTED);
+    assert_state("kept", "complete", PINGS);
+    assert_same_files("reference", "kept");
+    end(&f);
+}
+
 /* Makes of a finished run what kill -9 leaves: the state of the beginning, files without their
  * names, SHARE of the records, the last one torn. */
 static void undo(const char *run_name, double share) {
@@ -1019,6 +1045,8 @@ int main(int argc, char **argv) {
         cmocka_unit_test(interrupted_run_goes_on),
         cmocka_unit_test(interruptions_tell_the_missions_ping),
         cmocka_unit_test(interrupted_while_records_are_checked),
+        cmocka_unit_test(interrupted_before_it_replaces),
+        cmocka_unit_test(no_background_of_no_kind),
         cmocka_unit_test(killed_run_goes_on),
         cmocka_unit_test(bad_records_are_named_and_made_again),
         cmocka_unit_test(complete_runs_are_checked),

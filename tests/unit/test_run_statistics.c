@@ -121,6 +121,20 @@ static void gains_move_what_is_shown(void **state) {
     asdic_statistics_finish(&s);
 }
 
+/* What is no gain leaves the window of the lowest levels; pictures refuse it. */
+static void no_gain_shows_nothing(void **state) {
+    (void)state;
+    asdic_statistics s = begun();
+    asdic_picture_options options = asdic_picture_options_default();
+    options.tvg_db_per_m = NAN;
+    assert_ok(ctx, asdic_statistics_set_gain(ctx, &s, CELLS, 2.0, &options));
+    all.level_db[ASDIC_TOTAL][0] = -50.0f;
+    add(&s, CELLS);
+    asdic_statistics_end(&s);
+    assert_true(s.shown_low_db < s.low_db && isfinite(s.shown_low_db));
+    asdic_statistics_finish(&s);
+}
+
 static void errors_have_a_middle_and_a_worst(void **state) {
     (void)state;
     static const float error_db[] = {0.5f, 8.0f, NAN, 2.0f, 0.25f, 1.0f};
@@ -228,6 +242,7 @@ int main(void) {
         cmocka_unit_test(windows_leave_spikes_out),
         cmocka_unit_test(windows_are_10_db_at_least),
         cmocka_unit_test(gains_move_what_is_shown),
+        cmocka_unit_test(no_gain_shows_nothing),
         cmocka_unit_test(errors_have_a_middle_and_a_worst),
         cmocka_unit_test(errors_count_where_something_is_heard),
         cmocka_unit_test(pings_add_up),

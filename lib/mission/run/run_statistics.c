@@ -57,7 +57,7 @@ void asdic_statistics_finish(asdic_statistics *statistics) {
 
 static size_t level_bin(float level_db) {
     double x = ((double)level_db - LEVEL_LOW_DB) / LEVEL_STEP_DB;
-    return x < 0.0 ? 0 : x >= (double)LEVEL_BINS ? LEVEL_BINS - 1 : (size_t)x;
+    return !(x >= 0.0) ? 0 : x >= (double)LEVEL_BINS ? LEVEL_BINS - 1 : (size_t)x;
 }
 
 static size_t error_bin(float error_db) {
