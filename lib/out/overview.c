@@ -50,27 +50,44 @@ void asdic_overview_set_gain(asdic_overview *o, double db_per_decade, double db_
     }
 }
 
-/* Whether no neighbour is stronger. Of the last bin that is not known: where the gain outdoes the
- * fall of the reverberation it is the strongest without an echo. */
-static bool is_peak(const asdic_overview *o, const float *levels_db, size_t bin) {
+#define LEAST_PROMINENCE_DB 0.5
+
+/* Whether levels fall by DROP_DB from BIN on, towards the last bin or (STEP -1) the first, before
+ * they rise above its own; AT_END where they do neither. */
+static bool falls(const asdic_overview *o, const float *levels_db, size_t bin, int step,
+                  double drop_db, bool at_end) {
     double here_db = (double)levels_db[bin] + o->gain_db[bin];
-    if (o->bins < 3) {
-        return true;
+    for (size_t i = bin + (size_t)step; i < o->bins; i += (size_t)step) { /* below 0: beyond bins */
+        double level_db = (double)levels_db[i] + o->gain_db[i];
+        if (level_db > here_db) {
+            return false;
+        }
+        if (!(level_db > here_db - drop_db)) { /* as without energy */
+            return true;
+        }
     }
-    return bin + 1 < o->bins && !((double)levels_db[bin + 1] + o->gain_db[bin + 1] > here_db) &&
-           (bin == 0 || !((double)levels_db[bin - 1] + o->gain_db[bin - 1] > here_db));
+    return at_end;
+}
+
+/* Whether BIN stands out of its neighbourhood by more than its sampling error. What follows the
+ * last bin is not known: where the gain outdoes the fall of the reverberation it is the strongest
+ * without an echo. */
+static bool is_peak(const asdic_overview *o, const float *levels_db, size_t bin, double error_db) {
+    double drop_db = fmax(LEAST_PROMINENCE_DB, error_db); /* NAN: not known */
+    return o->bins < 3 || (falls(o, levels_db, bin, 1, drop_db, false) &&
+                           falls(o, levels_db, bin, -1, drop_db, true));
 }
 
 /* The strongest echo of a beam, SHOWN_DB with the gain; as many as there are bins without an echo. */
 static size_t strongest(const asdic_overview *o, const float *levels_db, const float *noise_db,
-                        double *shown_db) {
+                        const float *stderr_db, double *shown_db) {
     size_t best = o->bins;
     *shown_db = -INFINITY;
     for (size_t bin = 0; bin < o->bins; bin++) {
         double level_db = (double)levels_db[bin], with_gain_db = level_db + o->gain_db[bin];
         bool is_noise = level_db < (double)noise_db[bin] + ASDIC_OVERVIEW_ABOVE_NOISE_DB;
         if (with_gain_db > *shown_db && !is_noise &&
-            is_peak(o, levels_db, bin)) { /* false for NAN */
+            is_peak(o, levels_db, bin, (double)stderr_db[bin])) { /* false for NAN */
             *shown_db = with_gain_db;
             best = bin;
         }
@@ -78,12 +95,15 @@ static size_t strongest(const asdic_overview *o, const float *levels_db, const f
     return best;
 }
 
-void asdic_overview_add(asdic_overview *o, const float *levels_db, const float *noise_db) {
+void asdic_overview_add(asdic_overview *o, const float *levels_db, const float *noise_db,
+                        const float *stderr_db) {
     size_t row = o->added++ / o->ping_group;
     for (size_t beam = 0; beam < o->beams; beam++) {
         size_t cell = row * o->columns + beam / o->beam_group;
+        size_t first = beam * o->bins;
         double shown_db;
-        size_t bin = strongest(o, levels_db + beam * o->bins, noise_db + beam * o->bins, &shown_db);
+        size_t bin =
+            strongest(o, levels_db + first, noise_db + first, stderr_db + first, &shown_db);
         if (bin < o->bins && !(o->shown_db[cell] >= shown_db)) {
             o->shown_db[cell] = shown_db;
             o->range_m[cell] = range_of(o, bin);

@@ -31,8 +31,11 @@ void asdic_overview_finish(asdic_overview *overview);
 /* A time-varied gain that counts in what is strongest; before the first ping. */
 void asdic_overview_set_gain(asdic_overview *overview, double db_per_decade, double db_per_m);
 
-/* The next ping, LEVELS_DB[beam * bins + bin], and its noise, NAN where there is none. */
-void asdic_overview_add(asdic_overview *overview, const float *levels_db, const float *noise_db);
+/* The next ping, LEVELS_DB[beam * bins + bin], its noise, NAN where there is none, and its sampling
+ * errors, NAN where they are not known. An echo stands out of its neighbourhood by more than its
+ * error, and by half a decibel. */
+void asdic_overview_add(asdic_overview *overview, const float *levels_db, const float *noise_db,
+                        const float *stderr_db);
 
 /* The window of the levels shown, rounded outwards to 10 dB; 0..10 without levels. */
 void asdic_overview_window(const asdic_overview *overview, double *low_db, double *high_db);

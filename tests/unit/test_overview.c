@@ -24,7 +24,7 @@ static void overview_keeps_the_strongest(void **state) {
         float peak_db = ping == 301 ? 0.0f : -60.0f;
         /* Beam 0: -40 dB at 5 m (-26 shown), the peak at 15 m; beam 1: nothing 10 dB above noise. */
         const float levels_db[8] = {-40, peak_db, NAN, -70, -95, -95, NAN, -91};
-        asdic_overview_add(&o, levels_db, noise_db);
+        asdic_overview_add(&o, levels_db, noise_db, noise_db);
     }
     for (size_t row = 0; row < 1000; row++) {
         bool is_peak = row == 100;
@@ -53,8 +53,8 @@ static void overview_groups_many_beams(void **state) {
     }
     assert_int_equal(asdic_overview_init(ctx, 2, BEAMS, 1, 10.0, &o), ASDIC_OK);
     assert_int_equal(o.columns, COLUMNS);
-    asdic_overview_add(&o, levels_db[0], noise_db);
-    asdic_overview_add(&o, levels_db[1], noise_db);
+    asdic_overview_add(&o, levels_db[0], noise_db, noise_db);
+    asdic_overview_add(&o, levels_db[1], noise_db, noise_db);
     for (int c = 0; c < COLUMNS; c++) {
         int last = c == COLUMNS - 1 ? 2 * c : 2 * c + 1;
         assert_close(o.shown_db[c], -2.0 * c, 0.0);
@@ -101,9 +101,34 @@ static void overview_leaves_out_the_last_bin(void **state) {
         levels_db[i] = -50.0f - 30.0f * log10f((float)i + 0.5f) + (i == 60 ? 1.0f : 0.0f);
         noise_db[i] = NAN;
     }
-    asdic_overview_add(&o, levels_db, noise_db);
+    asdic_overview_add(&o, levels_db, noise_db, noise_db);
     assert_close(o.range_m[0], 60.5, 0);
     asdic_overview_finish(&o);
+}
+
+/* A ripple on what rises with the gain is none, as one that is smaller than its sampling error; an echo below is
+ * shown. */
+static void overview_leaves_out_ripples(void **state) {
+    (void)state;
+    static const struct {
+        float ripple_db, error_db;
+        double range_m;
+    } cases[] = {{0.2f, NAN, 20.5}, {0.2f, 0.01f, 20.5}, {2.0f, 3.0f, 20.5}, {2.0f, 0.3f, 60.5}};
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        asdic_overview o;
+        float levels_db[100], noise_db[100], errors_db[100];
+        assert_int_equal(asdic_overview_init(ctx, 1, 1, 100, 1.0, &o), ASDIC_OK);
+        asdic_overview_set_gain(&o, 40.0, 0.0);
+        for (size_t i = 0; i < 100; i++) {
+            float bump_db = i == 20 ? 4.0f : i == 60 ? cases[k].ripple_db : 0.0f;
+            levels_db[i] = -50.0f - 30.0f * log10f((float)i + 0.5f) + bump_db;
+            noise_db[i] = NAN;
+            errors_db[i] = i == 60 ? cases[k].error_db : 0.1f;
+        }
+        asdic_overview_add(&o, levels_db, noise_db, errors_db);
+        assert_close(o.range_m[0], cases[k].range_m, 0);
+        asdic_overview_finish(&o);
+    }
 }
 
 /* One beam of two at the top of the window, the other empty. */
@@ -122,7 +147,7 @@ static void the_strongest_is_brightest(void **state) {
     const float levels_db[2] = {-60, NAN}, noise_db[2] = {NAN, NAN};
     const asdic_overview_axes axes = {0};
     assert_int_equal(asdic_overview_init(ctx, 1, 2, 1, 10.0, &o), ASDIC_OK);
-    asdic_overview_add(&o, levels_db, noise_db);
+    asdic_overview_add(&o, levels_db, noise_db, noise_db);
     assert_int_equal(asdic_draw_overview(ctx, path, &o, &axes, &options), ASDIC_OK);
     size_t bright = count_pixels(path, 0xfde725, &width, &height);
     assert_close((double)bright, 240.0 * 240.0, 400.0); /* the scale has a few of them */
@@ -145,7 +170,7 @@ static size_t lit_pixels(size_t pings, size_t lit, size_t *height) {
             levels_db[b] = ping == 0 && b < lit ? -60.0f : NAN;
             noise_db[b] = NAN;
         }
-        asdic_overview_add(&o, levels_db, noise_db);
+        asdic_overview_add(&o, levels_db, noise_db, noise_db);
     }
     assert_int_equal(asdic_draw_overview(ctx, path, &o, &axes, &options), ASDIC_OK);
     asdic_overview_finish(&o);
@@ -177,6 +202,7 @@ int main(void) {
         cmocka_unit_test(overview_gain_is_of_its_bins),
         cmocka_unit_test(overview_has_room_for_its_levels),
         cmocka_unit_test(overview_leaves_out_the_last_bin),
+        cmocka_unit_test(overview_leaves_out_ripples),
         cmocka_unit_test(the_strongest_is_brightest),
     };
     return cmocka_run_group_tests(tests, context_begin, context_end);

@@ -692,8 +692,8 @@ static void names_of_beams_are_apart(void **state) {
     asdic_overview o;
     asdic_picture_options options = asdic_picture_options_default();
     assert_int_equal(asdic_overview_init(ctx, 2, BEAMS, 1, 10.0, &o), ASDIC_OK);
-    asdic_overview_add(&o, levels_db, noise_db);
-    asdic_overview_add(&o, levels_db, noise_db);
+    asdic_overview_add(&o, levels_db, noise_db, noise_db);
+    asdic_overview_add(&o, levels_db, noise_db, noise_db);
     options.db_low = -10.0; /* what is shown lies inside: no paper */
     options.db_high = 10.0;
     const asdic_overview_axes axes = {.names = names};

@@ -217,7 +217,7 @@ static void overviews(void **state) {
         asdic_overview o;
         assert_ok(t.ctx, asdic_overview_init(t.ctx, sizes[i][0], sizes[i][1], 10, 5.0, &o));
         for (size_t ping = 0; ping < sizes[i][0]; ping++) {
-            asdic_overview_add(&o, levels_db, levels_db);
+            asdic_overview_add(&o, levels_db, levels_db, levels_db);
         }
         assert_ok(t.ctx, asdic_draw_overview(t.ctx, path, &o, &axes, &options));
         assert_int_equal(times_written("starboard_a"), sizes[i][1] <= 5 ? 2 : 0);

@@ -211,7 +211,8 @@ void asdic_summary_add(asdic_summary *d, const asdic_record *record) {
         if (d->added == 0) {
             set_gain(d, record);
         }
-        asdic_overview_add(&d->overview, levels_db, record->level_db[ASDIC_NOISE]);
+        asdic_overview_add(&d->overview, levels_db, record->level_db[ASDIC_NOISE],
+                           record->stderr_db);
     }
     if (wants(d, ASDIC_IMAGE_PLAN)) {
         add_to_track(d, record);
