@@ -215,6 +215,15 @@ static double half_width_m(const asdic_outline *o) {
     return 0.5 * (east_m - west_m);
 }
 
+/* How far from the middle of an outline its name stands: beside it where it is small or cannot hold
+ * the name, else on it, clear of its sides. */
+static double gap_of(const page *p, const asdic_outline *o) {
+    double half_px = half_width_m(o) * p->px_per_m;
+    double wide_px = asdic_canvas_text_width(o->name, ASDIC_NOTE_PX) + 10.0;
+    bool is_beside = half_px <= MOST_ASIDE_PX || half_px < 0.5 * wide_px;
+    return is_beside ? 8.0 + half_px : fmin(8.0 + MOST_ASIDE_PX, half_px - wide_px);
+}
+
 /* Writes each name once, at the middle of its first outline on the map. */
 static void name_objects(labels *l, const asdic_chart *chart) {
     const page *p = l->p;
@@ -230,7 +239,7 @@ static void name_objects(labels *l, const asdic_chart *chart) {
             y += asdic_chart_y(p, o->north_m[k]) / (double)o->count;
         }
         if (x > p->box.x && x < p->box.x + p->box.w && y > p->box.y && y < p->box.y + p->box.h) {
-            draw_name(l, x, y, 8.0 + fmin(half_width_m(o) * p->px_per_m, MOST_ASIDE_PX), o->name);
+            draw_name(l, x, y, gap_of(p, o), o->name);
             named = o->name;
         }
     }

@@ -272,10 +272,9 @@ static void outlines_are_the_objects(void **state) {
 
 static const asdic_relief no_relief;
 
-/* Four piles 10 m apart, without names and with them: whatever was dark stays dark, so that no name
- * lies on a pile. */
-static void names_do_not_cover_what_they_name(void **state) {
-    (void)state;
+/* Four piles 10 m apart or more, without names and with them: whatever was dark stays dark, so that no name
+ * lies on a pile, nor on the outline of a large one. */
+static void check_names(double half_m) {
     char path[] = "/tmp/asdic-chart-XXXXXX";
     assert_true(mkstemp(path) >= 0);
     const double track_north_m[2] = {0, 100}, track_east_m[2] = {0, 0};
@@ -289,16 +288,13 @@ static void names_do_not_cover_what_they_name(void **state) {
     asdic_picture_options options = asdic_picture_options_default();
     uint8_t *rgb[2];
     size_t width, height, covered = 0, dark = 0;
-    if (!asdic_picture_annotated()) {
-        unlink(path);
-        skip();
-    }
     for (int named = 0; named < 2; named++) {
         for (size_t i = 0; i < 4; i++) {
             piles[i].count = 4;
             for (size_t k = 0; k < 4; k++) {
-                piles[i].north_m[k] = 2.0 - 10.0 * (double)(i / 2) + (k < 2 ? 0.2 : -0.2);
-                piles[i].east_m[k] = 12.0 + 10.0 * (double)(i % 2) + (k % 3 ? 0.2 : -0.2);
+                piles[i].north_m[k] =
+                    32.0 - 10.0 * (double)(i / 2) + (k < 2 ? 1.0 : -1.0) * fmin(half_m, 2.0);
+                piles[i].east_m[k] = 12.0 + 20.0 * (double)(i % 2) + (k % 3 ? half_m : -half_m);
             }
             if (named) {
                 snprintf(piles[i].name, sizeof piles[i].name, "pile_%zu", i);
@@ -315,6 +311,17 @@ static void names_do_not_cover_what_they_name(void **state) {
     assert_true(dark > 200); /* four names */
     free(rgb[0]);
     free(rgb[1]);
+}
+
+static void names_do_not_cover_what_they_name(void **state) {
+    (void)state;
+    if (!asdic_picture_annotated()) {
+        skip();
+    }
+    check_names(0.2);
+    for (double half_m = 3.0; half_m < 5.0; half_m += 0.25) {
+        check_names(half_m);
+    }
 }
 
 static void a_track_is_as_long_as_its_box(void **state) {
