@@ -43,6 +43,8 @@ def test_arrays_that_are_no_mesh():
     tap.equal(len(scene.objects), 0, "nothing of them is kept")
     raises(asdic.ArgumentError, "depth_m has the shape (2, 3)", scene.set_terrain, [0, 1, 2], [0, 1], np.zeros((2, 3)))
     raises(asdic.ArgumentError, "east_m goes to and fro", scene.set_terrain, [1, 0], [0, 2, 1], np.zeros((2, 3)))
+    raises(asdic.ArgumentError, "depth_m is -20 to -15 m, above the sea surface; depths are positive down",
+           scene.set_terrain, [0, 1], [0, 1], [[-20, -15], [-20, np.nan]])
 
 
 def test_arrays_of_every_kind_that_hold_a_mesh():
@@ -176,6 +178,7 @@ def test_output_that_exists():
         out = os.path.join(folder, "run")
         asdic.simulate(pool(), out, pings=slice(0, 1))
         raises(asdic.ExistsError, out, asdic.simulate, pool(), out)
+        raises(asdic.ExistsError, "use force=True to replace it, resume=True to continue it", asdic.simulate, pool(), out)
         tap.equal(issubclass(asdic.ExistsError, FileExistsError), True, "as Python calls it")
         tap.equal(len(asdic.simulate(pool(), out, force=True)), 3, "replaced")
         tap.equal(len(asdic.simulate(pool(), out, resume=True)), 3, "resumed")

@@ -17,8 +17,11 @@ static void syntax_errors_have_a_place(void **state) {
                   "2:1: error: not valid YAML: found unexpected end of stream, while scanning a "
                   "quoted scalar that began at 1:4\n");
     expect_errors("a:\n\tb: 1\n",
-                  "2:1: error: not valid YAML: found character that cannot start any token, while "
-                  "scanning for the next token that began at 2:1\n");
+                  "2:1: error: not valid YAML: a tab cannot begin a key or a value; indent with "
+                  "spaces\n");
+    expect_errors("a: %b\n",
+                  "1:4: error: not valid YAML: found character that cannot start any token, while "
+                  "scanning for the next token that began at 1:4\n");
     expect_errors("", "1:1: error: the file is empty\n");
     expect_errors("# nothing\n", "1:1: error: the file is empty\n");
 }

@@ -49,7 +49,11 @@ static void report_syntax(yaml_reader *r) {
     const yaml_parser_t *p = &r->parser;
     unsigned line = (unsigned)p->problem_mark.line + 1;
     unsigned column = (unsigned)p->problem_mark.column + 1;
-    if (p->context) {
+    if (p->error == YAML_SCANNER_ERROR && p->buffer.pointer && *p->buffer.pointer == '\t') {
+        asdic_problems_add(
+            r->problems, line, column,
+            "not valid YAML: a tab cannot begin a key or a value; indent with spaces");
+    } else if (p->context) {
         asdic_problems_add(r->problems, line, column,
                            "not valid YAML: %s, %s that began at %zu:%zu", p->problem, p->context,
                            p->context_mark.line + 1, p->context_mark.column + 1);

@@ -10,6 +10,7 @@ import functools
 import logging
 import math
 import os
+import re
 import signal
 import sys
 import threading
@@ -227,6 +228,10 @@ class _CtrlC:
             signal.signal(signal.SIGINT, self._handler)
 
 
+_OPTION = re.compile(r"(?<!'asdic run' with )--(force|resume)\b")
+"""What the library calls by the program's options; here they are arguments."""
+
+
 class Context:
     """One context of the library, for one thread at a time: others wait."""
 
@@ -269,6 +274,7 @@ class Context:
                 LOGGER.info(message)
         if status:
             sentence = text(lib.asdic_context_error(self.pointer)) or text(lib.asdic_status_text(status))
+            sentence = _OPTION.sub(r"\1=True", sentence)
             messages = tuple(message for level, message in said if level == lib.ASDIC_LOG_ERROR)
             error = ERRORS.get(status, Error)("\n".join([sentence, *messages]))
             error.status, error.messages = status, messages

@@ -179,6 +179,9 @@ class Scene:
         faces = faces[there[faces].all(axis=1)]
         if len(faces) == 0:
             raise fail(ArgumentError, "depth_m is NAN but for single places; a terrain has three neighbours or more")
+        if np.nanmax(depth) < 0.0:
+            raise fail(ArgumentError, f"depth_m is {np.nanmin(depth):g} to {np.nanmax(depth):g} m, above the sea surface; "
+                       "depths are positive down: give heights with the other sign")
         self.set_bottom(vertices[there], (np.cumsum(there) - 1)[faces], material)
 
     def set_bottom(self, vertices: ArrayLike, triangles: ArrayLike, material: str | Keys = "sand") -> None:
