@@ -35,11 +35,12 @@ elements = len(ping.pressure)
 figure, axes = plt.subplots(1, 2, figsize=(9, 4.5), sharey=True, layout="constrained")
 for ax, (name, weights) in zip(axes, {"all elements alike": np.ones(elements), "Hamming": np.hamming(elements)}.items()):
     level = form_beams(ping.pressure, bearings, weights)
-    north, east = (np.outer(turn(np.radians(bearings)), ranges) for turn in (np.cos, np.sin))
-    image = ax.pcolormesh(east, north, level, vmin=80, vmax=145, shading="gouraud")
+    level = level[:, :len(ranges) // 5 * 5].reshape(len(bearings), -1, 5).max(axis=2)  # the loudest of five: a pixel
+    north, east = (np.outer(turn(np.radians(bearings)), ranges[2::5][:level.shape[1]]) for turn in (np.cos, np.sin))
+    image = ax.pcolormesh(east, north, level, vmin=60, vmax=140, shading="gouraud")
     ax.set(title=name, xlabel="east, m", aspect="equal")
 axes[0].set_ylabel("north, m")
-figure.colorbar(image, ax=axes, label="dB re 1 uPa")
+figure.colorbar(image, ax=axes, label="dB re 1 µPa", shrink=0.6)
 figure.savefig(picture, dpi=65)
 
 level = form_beams(ping.pressure, bearings, np.ones(elements))
