@@ -5,6 +5,7 @@
 
 #include "base/context.h"
 #include "base/try.h"
+#include "laws/scatterer.h"
 #include "mission/track/track.h"
 #include "scene/scene.h"
 

@@ -3,7 +3,7 @@
  */
 #include "moving.h"
 
-#include "base/try.h"
+#include "laws/scatterer.h"
 #include "place.h"
 #include "triangles.h"
 
