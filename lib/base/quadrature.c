@@ -23,43 +23,58 @@ static const double kronrod[8] = {
 static const double gauss[4] = {0.129484966168869693, 0.279705391489276668, 0.381830050505118945,
                                 0.417959183673469388};
 
+/* One integral may ask for this many panels: those in use ask for hundreds. Beyond it, of an integrand without end of
+ * kinks, what is known of a panel stands. */
+#define PANELS_MOST 100000
+
 typedef struct panel {
     double integral, error;
 } panel;
 
-static panel rule(asdic_integrand f, void *user, double a, double b) {
+typedef struct integral {
+    asdic_integrand f;
+    void *user;
+    double tolerance;
+    int panels; /* that may still be asked for */
+} integral;
+
+static panel rule(integral *in, double a, double b) {
     double centre = 0.5 * (a + b), half = 0.5 * (b - a);
-    double middle = f(centre, user);
+    double middle = in->f(centre, in->user);
     double k = kronrod[7] * middle, g = gauss[3] * middle;
     for (int i = 0; i < 7; i++) {
-        double pair = f(centre - half * node[i], user) + f(centre + half * node[i], user);
+        double pair =
+            in->f(centre - half * node[i], in->user) + in->f(centre + half * node[i], in->user);
         k += kronrod[i] * pair;
         g += i % 2 ? gauss[i / 2] * pair : 0.0;
     }
+    in->panels--;
     return (panel){k * half, fabs((k - g) * half)};
 }
 
-static double refine(asdic_integrand f, void *user, double a, double b, panel whole, double allowed,
-                     double tolerance, int depth) {
+static double refine(integral *in, double a, double b, panel whole, double allowed, int depth) {
     double centre = 0.5 * (a + b);
-    if (whole.error <= allowed || depth == DEEPEST || centre <= a || centre >= b) {
+    /* NAN, too, is no error above what is allowed. */
+    if (!(whole.error > allowed) || depth == DEEPEST || centre <= a || centre >= b ||
+        in->panels <= 0) {
         return whole.integral;
     }
-    panel left = rule(f, user, a, centre), right = rule(f, user, centre, b);
+    panel left = rule(in, a, centre), right = rule(in, centre, b);
     double seen = fabs(left.integral) + fabs(right.integral);
-    allowed = depth < OWN_DEPTH ? 0.5 * allowed : fmax(allowed, tolerance * seen);
-    return refine(f, user, a, centre, left, allowed, tolerance, depth + 1) +
-           refine(f, user, centre, b, right, allowed, tolerance, depth + 1);
+    allowed = depth < OWN_DEPTH ? 0.5 * allowed : fmax(allowed, in->tolerance * seen);
+    return refine(in, a, centre, left, allowed, depth + 1) +
+           refine(in, centre, b, right, allowed, depth + 1);
 }
 
 double asdic_quadrature(asdic_integrand f, void *user, double a, double b, double tolerance) {
+    integral in = {f, user, tolerance, PANELS_MOST};
     if (!(b > a)) {
         return 0.0;
     }
-    panel whole = rule(f, user, a, b);
-    double result = refine(f, user, a, b, whole, tolerance * fabs(whole.integral), tolerance, 0);
+    panel whole = rule(&in, a, b);
+    double result = refine(&in, a, b, whole, tolerance * fabs(whole.integral), 0);
     if (fabs(result) < 0.5 * fabs(whole.integral)) { /* the first look was too bright */
-        result = refine(f, user, a, b, whole, tolerance * fabs(result), tolerance, 0);
+        result = refine(&in, a, b, whole, tolerance * fabs(result), 0);
     }
     return result;
 }

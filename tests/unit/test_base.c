@@ -9,6 +9,7 @@
 #include "base/file_read.h"
 #include "base/memory_left.h"
 #include "base/number.h"
+#include "base/quadrature.h"
 #include "base/sha256.h"
 #include "base/share.h"
 #include "base/text.h"
@@ -310,6 +311,36 @@ static void numbers_are_those_of_a_grammar(void **state) {
     regfree(&digit);
 }
 
+enum { SQUARE, NOTHING, HOLE, PEAK, NOISE, KINDS };
+
+typedef struct counted {
+    size_t calls;
+    int kind;
+} counted;
+
+static double integrand(double x, void *user) {
+    counted *c = user;
+    bool is_middle = fabs(x - 0.5) < 0.01;
+    c->calls++;
+    return c->kind == SQUARE                 ? x * x
+           : c->kind == NOISE                ? 1.0 + fmod(43758.5453 * sin(1e9 * x), 1.0)
+           : c->kind == PEAK && is_middle    ? (double)INFINITY
+           : c->kind == NOTHING || is_middle ? (double)NAN
+                                             : 1.0;
+}
+
+/* What is no number anywhere once asked for 2^40 panels. */
+static void integrals_end(void **state) {
+    (void)state;
+    for (int kind = 0; kind < KINDS; kind++) {
+        counted c = {0, kind};
+        double sum = asdic_quadrature(integrand, &c, 0.0, 1.0, 1e-7);
+        assert_true(c.calls <= 15 * 100002);
+        assert_true(kind != SQUARE || fabs(sum - 1.0 / 3.0) < 1e-12);
+        assert_true((kind != NOTHING && kind != HOLE) || isnan(sum));
+    }
+}
+
 /* Of any length, with anything anywhere, and nothing beside it. */
 static void what_is_cleared_is_zero(void **state) {
     (void)state;
@@ -332,6 +363,7 @@ static void what_is_cleared_is_zero(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(numbers_are_those_of_a_grammar),
+        cmocka_unit_test(integrals_end),
         cmocka_unit_test(what_is_cleared_is_zero),
         cmocka_unit_test(sha256_meets_published_vectors),
         cmocka_unit_test(sha256_takes_every_length),
