@@ -258,15 +258,16 @@ static double unshadowed(double theta, double slope) {
     return q > 0.0 ? -expm1(-2.0 * q) / (2.0 * q) : 1.0;
 }
 
-/* A part of small scale over the slopes of the large one. */
+/* A part of small scale over the slopes of the large one. Of a slope that is turned away nothing is seen, where the parts
+ * are 0 / 0 in a sediment without contrast of sound speed or loss. */
 static double averaged(const asdic_scatterer *s, double theta,
                        double (*part)(const asdic_scatterer *, double)) {
     static const double node[] = {1.224745, 0.0, -1.224745};
     static const double weight[] = {0.295410, 1.181636, 0.295410};
     double sum = 0.0, slope = s->made[SLOPE];
     for (int i = 0; i < 3; i++) {
-        double tilted = fmin(fmax(theta - node[i] * slope, 0.0), 0.5 * ASDIC_PI);
-        sum += weight[i] * part(s, tilted);
+        double tilted = fmin(theta - node[i] * slope, 0.5 * ASDIC_PI);
+        sum += tilted > 0.0 ? weight[i] * part(s, tilted) : 0.0;
     }
     return unshadowed(theta, slope) * sum / sqrt(ASDIC_PI);
 }

@@ -5,7 +5,7 @@
 #include "asserts.h"
 #include "test_context.h"
 
-#include "laws/scatterer.h"
+#include "laws/keys.h"
 #include "laws/tabulate.h"
 
 #include <stdlib.h>
@@ -379,6 +379,66 @@ static void tables_ask_for_angles(void **state) {
     free(words.words);
 }
 
+/* What a law makes of every angle, grazing and normal incidence with them. */
+static void assert_law_finite(const asdic_material *material, double f_khz, double wind_kn) {
+    const asdic_law_water at = {1e3 * f_khz, 1500.0, 1.5 / f_khz, wind_kn};
+    static const double sines[] = {0.0, 1e-9, 1e-6, 1e-4, 0.01, 0.1, 0.5, 0.9999, 1.0};
+    asdic_scatterer s = asdic_scatterer_at(material, &at);
+    for (size_t i = 0; i < sizeof sines / sizeof *sines; i++) {
+        double lin = asdic_scatterer_strength(&s, sines[i]);
+        double share = material->law->reflected ? material->law->reflected(&s, sines[i]) : 0.0;
+        if (!(isfinite(lin) && lin >= 0.0 && share >= 0.0 && share <= 1.0 + 1e-12)) {
+            char text[256] = "";
+            for (size_t k = 0; k < material->law->model.key_count; k++) {
+                size_t length = strlen(text);
+                snprintf(text + length, sizeof text - length, " %g", material->value[k]);
+            }
+            fail_msg("%s%s, %g kHz, %g kn, sine %g: %g, mirror %g", material->law->name, text,
+                     f_khz, wind_kn, sines[i], lin, share);
+        }
+    }
+}
+
+/* From key K on, every number at the ends of what it may be and of what it is vouched for, and at 1, where a sediment
+ * is water. */
+static void sweep(asdic_material *material, size_t k) {
+    const asdic_model_info *model = &material->law->model;
+    if (k == model->key_count) {
+        for (int i = 0; i < 4; i++) {
+            assert_law_finite(material, i % 2 ? ASDIC_MOST_KHZ : 0.1, i / 2 ? 60.0 : 0.0);
+        }
+        return;
+    }
+    const asdic_model_key *key = &model->keys[k];
+    sweep(material, k + 1);
+    if (!key->doc || !key->numeric) { /* not a material's, or a word for numbers */
+        return;
+    }
+    const double ends[] = {key->min, key->max, key->valid_min, key->valid_max, 1.0};
+    for (size_t i = 0; i < sizeof ends / sizeof *ends; i++) {
+        bool is_new = ends[i] >= key->min && ends[i] <= key->max;
+        for (size_t j = 0; j < i; j++) {
+            is_new &= ends[j] != ends[i];
+        }
+        if (is_new) {
+            material->value[k] = ends[i];
+            sweep(material, k + 1);
+        }
+    }
+    material->value[k] = NAN;
+}
+
+static void laws_are_numbers_over_their_domain(void **state) {
+    (void)state;
+    static const double rows[] = {1.0, -40.0, 90.0, -10.0};
+    for (size_t i = 0; i < asdic_law_count(); i++) {
+        asdic_material material = curve(rows, 2);
+        asdic_material of = asdic_material_of(asdic_law_get(i));
+        material = of.law == material.law ? material : of;
+        sweep(&material, 0);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(laws_are_found_by_name),
@@ -395,6 +455,7 @@ int main(void) {
         cmocka_unit_test(kinds_of_bottom_are_fluids),
         cmocka_unit_test(mirrors_see_waves_up_to_a_metre),
         cmocka_unit_test(tables_ask_for_angles),
+        cmocka_unit_test(laws_are_numbers_over_their_domain),
         cmocka_unit_test(rows_are_read),
         cmocka_unit_test(materials_are_described_in_words),
     };
