@@ -33,7 +33,8 @@
 typedef struct dev_patch {
     float corner[3], edge1[3],
         edge2[3]; /* scene frame; of a shell: edge1[0] its thickness, corner[0] where
-                                            it begins; of a point: corner */
+                                            it begins; of a point: corner, and
+                                            in edge1 what single precision leaves of it */
     float share;  /* of each scatterer: m2; sr m of a shell; of a point its target strength, m2 */
     dev_uint first, count;
     dev_uint triangle; /* ~0u: none */

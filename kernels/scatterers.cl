@@ -64,6 +64,7 @@ static float water_direction(__global const dev_ping *ping, bool mirrors, float2
 static float4 scatterer_of(__global const dev_ping *ping, __global const dev_coherent *c,
                            __global const dev_patch *patch, uint k) {
     float2 at = patch->smooth != 0u ? grid_of(patch, k) : fractions_of(patch, k);
+    at = patch->kind == DEV_KIND_POINT ? (float2)(0.0f) : at;
     float4 p;
     if (patch->kind == DEV_KIND_WATER) {
         vector u;
@@ -203,6 +204,14 @@ static found find(const world *w, __global const dev_coherent *c, __global const
     return f;
 }
 
+/* What single precision leaves of a point's place. */
+static triple left_over(const found *f) {
+    mask point = f->kind == DEV_KIND_POINT;
+    triple rest = {choose(point, f->edge1.x, R(0.0)), choose(point, f->edge1.y, R(0.0)),
+                   choose(point, f->edge1.z, R(0.0))};
+    return rest;
+}
+
 /* From the sonar to scatterers. */
 typedef struct sight {
     two range;
@@ -219,11 +228,13 @@ static triple image_of(__global const dev_ping *ping, const found *f, triple at)
     return image;
 }
 
-static sight see(__global const dev_ping *ping, __global const dev_coherent *c, triple at) {
+/* From the sonar to AT, of which single precision leaves REST. */
+static sight see(__global const dev_ping *ping, __global const dev_coherent *c, triple at,
+                 triple rest) {
     two x = two_sum(at.x, (real)(-ping->origin[0])), y = two_sum(at.y, (real)(-ping->origin[1])),
         z = two_sum(at.z, (real)(-ping->origin[2]));
-    two lx = {(real)(-c->low[0]), R(0.0)}, ly = {(real)(-c->low[1]), R(0.0)},
-        lz = {(real)(-c->low[2]), R(0.0)};
+    two lx = {rest.x - c->low[0], R(0.0)}, ly = {rest.y - c->low[1], R(0.0)},
+        lz = {rest.z - c->low[2], R(0.0)};
     x = two_add(x, lx);
     y = two_add(y, ly);
     z = two_add(z, lz);
@@ -324,7 +335,9 @@ __kernel void coherent_shade(__global const dev_ping *ping, __global const dev_c
     }
     world w = {ping, beams_of(ping), triangles, parts, materials, 0};
     found f = find(&w, c, patches, places, owner, hits, slot);
-    sight straight = see(ping, c, f.at), image = see(ping, c, image_of(ping, &f, f.at));
+    triple rest = left_over(&f), turned = {rest.x, rest.y, -rest.z};
+    sight straight = see(ping, c, f.at, rest);
+    sight image = see(ping, c, image_of(ping, &f, f.at), turned);
     sight sent = choose_sight(f.out, &image, &straight);
     sight heard_from = choose_sight(f.back, &image, &straight);
     law_lanes laws = laws_met(&w, &f.m);

@@ -380,14 +380,19 @@ static void add_points(finder *f) {
     const asdic_scene *scene = f->sim->setup.scene;
     for (size_t i = 0; i < scene->point_count && !f->out->out_of_memory; i++) {
         const asdic_point *point = &f->sim->placement->points[i];
-        piece p = {.corner = asdic_vec3_sub(point->position_m, f->sim->placement->origin_m),
+        asdic_vec3 at = asdic_vec3_sub(point->position_m, f->sim->placement->origin_m);
+        piece p = {.corner = at,
                    .triangle = ~0u,
                    .kind = DEV_KIND_POINT,
                    .name = {(uint32_t)i, 0, 0xc0000000u}};
         add_patch(f, &p, 1);
         if (!f->out->out_of_memory) {
-            f->out->items[f->out->count - 1].share =
-                (float)pow(10.0, 0.1 * point->target_strength_db);
+            dev_patch *made = &f->out->items[f->out->count - 1];
+            const double exact[3] = {at.x, at.y, at.z};
+            for (int axis = 0; axis < 3; axis++) {
+                made->edge1[axis] = (float)(exact[axis] - (double)made->corner[axis]);
+            }
+            made->share = (float)pow(10.0, 0.1 * point->target_strength_db);
         }
     }
 }

@@ -34,9 +34,8 @@ static void a_point_has_level_and_phase(void **state) {
     rig_destroy(&r);
 }
 
-/* At 1 MHz and 150 m there and back are 200,000 wavelengths, far from the scene's origin as well. */
-static void phase_holds_at_a_megahertz(void **state) {
-    (void)state;
+/* At 1 MHz and 150 m there and back are 200,000 wavelengths, of a sonar NORTH_M from the scene's origin. */
+static void hold_phase(double north_m) {
     ping_rig r = empty_array(&t);
     const double wavelength_m = 0.0015;
     r.sonar.frequency_hz = 1e6;
@@ -44,18 +43,18 @@ static void phase_holds_at_a_megahertz(void **state) {
     r.sonar.ping_rate_hz = 4.0;
     r.sonar.transmitter.length_h_m = r.sonar.transmitter.length_v_m = 1e-4;
     r.sonar.array.element.length_h_m = r.sonar.array.element.length_v_m = 1e-4;
-    r.pose.position_m = (asdic_vec3){1.2345678, -3.456789, 7.1};
+    r.pose.position_m = (asdic_vec3){north_m + 1.2345678, -3.456789, 7.1};
     asdic_vec3 at[] = {{130.0, 70.0, 20.0}, {149.0, -3.0, 9.0}, {90.25, -119.5, 8.0}};
     for (int i = 0; i < 3; i++) {
+        at[i].x += north_m;
         assert_ok(t.ctx, asdic_scene_add_point(r.scene, "p", at[i], 0.0));
     }
     asdic_simulator *sim = rig_simulator(&r);
     asdic_ping *ping = array_shoot(&r, sim, 0);
     double worst = 0.0;
     for (int i = 0; i < 3; i++) {
-        /* The device holds a point's place in single precision. */
-        double x = (float)at[i].x - r.pose.position_m.x, y = (float)at[i].y - r.pose.position_m.y;
-        double z = (float)at[i].z - r.pose.position_m.z, range = sqrt(x * x + y * y + z * z);
+        double x = at[i].x - r.pose.position_m.x, y = at[i].y - r.pose.position_m.y;
+        double z = at[i].z - r.pose.position_m.z, range = sqrt(x * x + y * y + z * z);
         for (size_t e = 0; e < ping->elements; e++) {
             double own = ((double)e - 15.5) * r.sonar.array.spacing_m;
             double back = sqrt(x * x + (y - own) * (y - own) + z * z);
@@ -65,11 +64,18 @@ static void phase_holds_at_a_megahertz(void **state) {
             worst = fmax(worst, fabs(turns - rint(turns)));
         }
     }
-    print_message("off by %.2g wavelengths\n", worst);
+    print_message("%g m from the origin off by %.2g wavelengths\n", north_m, worst);
     assert_true(worst < 1e-3);
     asdic_ping_destroy(&ping);
     asdic_simulator_destroy(&sim);
     rig_destroy(&r);
+}
+
+static void phase_holds_at_a_megahertz(void **state) {
+    (void)state;
+    hold_phase(0.0);
+    hold_phase(3000.1234567);
+    hold_phase(-250000.7654321);
 }
 
 /* The sums of the scatterers that the device made, in double. */
