@@ -46,15 +46,17 @@ struct asdic_coherent {
     float *steering; /* of beams */
     float *heard;    /* of beams, by looks */
     double weights2; /* sum of the weights' squares */
+    /* As now.noise, which makes beams' bins as loud as those of intensities: of an element by itself, which hears the band. */
+    float element_noise;
 };
 
 asdic_coherent_grid asdic_coherent_grid_of(const asdic_sonar *sonar, double sound_speed_mps,
                                            size_t bins) {
     asdic_coherent_grid g;
-    double cell = 0.5 * sound_speed_mps / sonar->bandwidth_hz;
+    g.cell_m = 0.5 * sound_speed_mps / sonar->bandwidth_hz;
     unsigned looks = asdic_sonar_looks(sonar, sound_speed_mps);
     g.look_m = sonar->bin_length_m / looks;
-    g.pulse_m = fmax(cell, g.look_m);
+    g.pulse_m = fmax(g.cell_m, g.look_m);
     double per_bin = ceil(SAMPLES_OF_PULSE * sonar->bin_length_m / g.pulse_m - 1e-9);
     g.sample_m = sonar->bin_length_m / per_bin;
     g.samples = bins * (size_t)per_bin;
@@ -268,13 +270,14 @@ static asdic_status make_room(asdic_simulator *sim, asdic_coherent *c) {
     return ASDIC_OK;
 }
 
-/* An element's noise in a sample, r.m.s., so that a bin has the level of the incoherent ping's. */
-static double noise_rms(const asdic_simulator *sim, const asdic_water_column *water,
-                        const asdic_coherent *c) {
+/* What makes an element's noise in a sample, as loud as the noise in LENGTH_M of a bin of which a beam holds a SHARE. The
+ * pulse's energy on the grid is its length over a sample's. */
+static float noise_of(const asdic_simulator *sim, const asdic_water_column *water,
+                      const asdic_coherent *c, double share, double length_m) {
     const asdic_sonar *sonar = &sim->setup.sonar;
-    double level =
-        asdic_noise_element_lin(&sim->setup.env, sonar, c->weights2, water->sound_speed_mps);
-    return sqrt(level * c->grid.pulse_m / sonar->bin_length_m);
+    double bin = asdic_noise_element_lin(&sim->setup.env, sonar, share, water->sound_speed_mps);
+    return (float)sqrt(bin * length_m / sonar->bin_length_m * c->grid.sample_m / c->grid.pulse_m /
+                       asdic_simulator_source_lin(sim, water));
 }
 
 /* What changes with the pose. */
@@ -293,9 +296,8 @@ static asdic_status tell(asdic_simulator *sim, asdic_coherent *c, const asdic_pi
     n->turns_per_m_low = (float)(1.0 / wavelength_m - (double)n->turns_per_m);
     n->element_h_wl = element.length_h_wl;
     n->element_v_wl = element.length_v_wl;
-    /* The pulse's energy on the grid is its length over a sample's. */
-    n->noise = (float)(noise_rms(sim, &shot->water, c) * sqrt(c->grid.sample_m / c->grid.pulse_m) /
-                       sqrt(asdic_simulator_source_lin(sim, &shot->water)));
+    n->noise = noise_of(sim, &shot->water, c, c->weights2, c->grid.pulse_m);
+    c->element_noise = noise_of(sim, &shot->water, c, 1.0, c->grid.cell_m);
     n->patches = (dev_uint)c->found.count;
     n->scatterers = (dev_uint)c->found.slots;
     n->slots = (dev_uint)(c->found.slots * ways_of(sim));
@@ -362,20 +364,25 @@ static asdic_status run_sort(asdic_simulator *sim, asdic_coherent *c) {
     return asdic_kernel_run(c->sort, sort, COUNT(sort), c->now.blocks, local);
 }
 
-static asdic_status run_array(asdic_simulator *sim, asdic_coherent *c) {
-    const dev_coherent *n = &c->now;
-    size_t width = sim->setup.layout.width, local = few_local(sim);
+static asdic_status run_elements(asdic_simulator *sim, asdic_coherent *c, float noise) {
+    size_t width = sim->setup.layout.width, own = DEV_OWN_GATES(width);
+    size_t shares = (c->now.gates + own - 1) / own;
     asdic_kernel_arg elements[] = {ASDIC_ARG_BUFFER(sim->buffers.pings), ASDIC_ARG_BUFFER(c->told),
                                    ASDIC_ARG_BUFFER(c->slots.sorted), ASDIC_ARG_BUFFER(c->first),
                                    ASDIC_ARG_BUFFER(c->pressure)};
+    TRY(asdic_buffer_write(c->told, offsetof(dev_coherent, noise), sizeof noise, &noise));
+    return asdic_kernel_run(c->elements, elements, COUNT(elements), shares * (c->now.lanes / width),
+                            few_local(sim));
+}
+
+static asdic_status run_beams(asdic_simulator *sim, asdic_coherent *c) {
+    const dev_coherent *n = &c->now;
+    size_t width = sim->setup.layout.width;
     asdic_kernel_arg beams[] = {ASDIC_ARG_BUFFER(c->told), ASDIC_ARG_BUFFER(c->weights),
                                 ASDIC_ARG_BUFFER(c->steer), ASDIC_ARG_BUFFER(c->pressure),
                                 ASDIC_ARG_BUFFER(c->looks)};
-    size_t own = DEV_OWN_GATES(width), shares = (n->gates + own - 1) / own;
-    TRY(asdic_kernel_run(c->elements, elements, COUNT(elements), shares * (n->lanes / width),
-                         local));
     return asdic_kernel_run(c->beams, beams, COUNT(beams),
-                            n->beams * (((size_t)n->looks + width - 1) / width), local);
+                            n->beams * (((size_t)n->looks + width - 1) / width), few_local(sim));
 }
 
 /* The beams' looks to energies of bins. */
@@ -401,7 +408,7 @@ static void sum_looks(const asdic_simulator *sim, const asdic_coherent *c, doubl
     }
 }
 
-/* Pressures re 1 uPa by element and sample. */
+/* Pressures re 1 uPa by element and sample, with the noise that elements hear. */
 static asdic_status fetch_elements(asdic_simulator *sim, asdic_coherent *c, double source_lin,
                                    asdic_ping *out) {
     const dev_coherent *n = &c->now;
@@ -419,7 +426,9 @@ static asdic_status fetch_elements(asdic_simulator *sim, asdic_coherent *c, doub
     if (!rows) {
         return asdic_fail_memory(sim->ctx, "pressures at elements");
     }
-    asdic_status status = asdic_buffer_read(c->pressure, 0, bytes, rows);
+    asdic_status status =
+        c->element_noise == n->noise ? ASDIC_OK : run_elements(sim, c, c->element_noise);
+    status = status ? status : asdic_buffer_read(c->pressure, 0, bytes, rows);
     for (size_t s = 0; !status && s < n->samples; s++) {
         const float *re = rows + 2 * s * n->lanes, *im = re + n->lanes;
         for (size_t e = 0; e < n->elements; e++) {
@@ -443,7 +452,8 @@ asdic_status asdic_coherent_ping(asdic_simulator *sim, const asdic_pose *pose, u
     TRY(tell(sim, c, shot));
     TRY(run_scatterers(sim, c));
     TRY(run_sort(sim, c));
-    TRY(run_array(sim, c));
+    TRY(run_elements(sim, c, c->now.noise));
+    TRY(run_beams(sim, c));
     TRY(asdic_buffer_read(c->looks, 0, (size_t)c->now.beams * c->now.looks * 2 * sizeof(float),
                           c->heard));
     double source_lin = asdic_simulator_source_lin(sim, &shot->water);

@@ -11,7 +11,7 @@
 /* What a coherent sonar's samples and looks are. */
 typedef struct asdic_coherent_grid {
     size_t samples, looks; /* of an element; of a beam, in all bins */
-    double sample_m, look_m, pulse_m;
+    double sample_m, look_m, pulse_m, cell_m;
 } asdic_coherent_grid;
 
 asdic_coherent_grid asdic_coherent_grid_of(const asdic_sonar *sonar, double sound_speed_mps,
