@@ -397,6 +397,39 @@ static void remark_on_motions(mission_builder *b) {
     }
 }
 
+/* Facets round a smooth body of so many wavelengths of radius that leave its echo its level, found by physical optics of
+ * spheres: so short that they reflect nowhere else in phase, or so flat, L^2 < a lambda / 100, that little does. */
+static double facets_needed(double radius_wl) {
+    return ceil(fmin(ASDIC_PI / 0.3 * radius_wl, 20.0 * ASDIC_PI * sqrt(radius_wl)));
+}
+
+/* In coherent pings facets of a smooth body are mirrors, each in phase with itself. */
+static void remark_on_facets(mission_builder *b) {
+    const asdic_mission *m = b->mission;
+    const file_object *objects = b->file->objects.items;
+    double wavelength_m =
+        asdic_environment_sound_speed_mps(&m->settings.environment,
+                                          asdic_mission_pose(m, 0, NULL).position_m.z) /
+        m->settings.sonar.frequency_hz;
+    for (size_t i = 0; m->settings.sampling.coherent && i < b->file->objects.count; i++) {
+        const file_object *o = &objects[i];
+        const file_round *round = o->sphere.node ? &o->sphere : &o->cylinder;
+        asdic_material_file rows;
+        asdic_material material = asdic_scene_file_material(o, &rows);
+        double needed = facets_needed(round->radius_m / wavelength_m);
+        if (round->node && asdic_material_get(&material, "slope_rms") == 0.0 &&
+            (double)round->segments < fmin(needed, ASDIC_MOST_SEGMENTS)) {
+            char text[240];
+            snprintf(text, sizeof text,
+                     "is smooth and has %d 'segments', each a flat mirror: in coherent pings its "
+                     "level may be wrong by 10 dB; %s 'segments: %g'",
+                     (int)round->segments, needed > ASDIC_MOST_SEGMENTS ? "closest comes" : "give",
+                     fmin(needed, ASDIC_MOST_SEGMENTS));
+            remark(b, i, text);
+        }
+    }
+}
+
 void asdic_mission_check_positions(mission_builder *b) {
     check_bottom_depth(b);
     if (b->problems->total == 0) {
@@ -411,5 +444,6 @@ void asdic_mission_check_positions(mission_builder *b) {
         remark_on_objects(b);
         remark_on_gap(b);
         remark_on_motions(b);
+        remark_on_facets(b);
     }
 }

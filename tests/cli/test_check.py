@@ -288,6 +288,38 @@ def test_bodies_of_few_wavelengths_are_remarked_on():
               "'point' has the strength that is known of it\n")
 
 
+def test_facets_of_smooth_bodies_in_coherent_pings_are_remarked_on():
+    """33.33 wavelengths of radius need pi / 0.3 of each, 350; 200 the twenty pi of their root, 889; 500 more than there are."""
+    scene = """version: 1
+environment: {sound_speed_mps: 1500}
+bottom: {none: true}
+objects: [{name: ball, sphere: {radius_m: 0.5}, position_m: [9, 0, 7], material: {impedance_mrayl: 45, slope_rms: 0}}]
+sonar:
+  frequency_khz: 100
+  max_range_m: 25
+  source_level_db: 200
+  array: {elements: 2, spacing_wl: 0.5, element: {length_v_m: 0.05}, beams: {count: 1, sector_deg: 10}}
+mission: {pose: {position_m: [0, 0, 7]}}
+sampling: {coherent: true, rays: 3000}
+"""
+    says = ("warning: object 'ball' is smooth and has {} 'segments', each a flat mirror: in coherent pings its level may "
+            "be wrong by 10 dB; {} 'segments: {}'  [objects[0]]\n")
+
+    def remarked(*changes):
+        text = scene
+        for old, new in changes:
+            text = text.replace(old, new)
+        return [line + "\n" for line in remarks_on(text).splitlines() if "smooth" in line]
+    tap.equal(remarked(), [says.format(96, "give", 350)])
+    tap.equal(remarked(("0.5}", "0.5, segments: 349}")), [says.format(349, "give", 350)])
+    tap.equal(remarked(("0.5}", "0.5, segments: 350}")), [])
+    tap.equal(remarked(("sphere: {radius_m: 0.5}", "cylinder: {radius_m: 3, length_m: 1}")), [says.format(96, "give", 889)])
+    tap.equal(remarked(("0.5}", "7.5}"), ("[9,", "[20,")), [says.format(96, "closest comes", 1024)])
+    tap.equal(remarked(("0.5}", "7.5, segments: 1024}"), ("[9,", "[20,")), [])
+    tap.equal(remarked(("coherent: true, ", "")), [])
+    tap.equal(remarked((", slope_rms: 0", "")), [])
+
+
 def test_motion_within_a_ping_is_remarked_on():
     """A ping of 0.1 s and beams of 15 degrees; 50 m/s are ten bins of 0.5 m, 150 degrees per second a beam."""
     with folder(own_yaml="") as at:

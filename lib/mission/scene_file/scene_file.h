@@ -87,6 +87,8 @@ typedef struct file_plate {
     double size_m[2];
 } file_plate;
 
+#define ASDIC_MOST_SEGMENTS 1024
+
 typedef struct file_round { /* sphere or cylinder */
     asdic_yaml_node *node;
     double radius_m, length_m;
