@@ -69,7 +69,8 @@ static const asdic_table box_table = {TABLE(box_keys, file_box), .doc = "a box"}
 #define SEGMENTS                                                                                   \
     {                                                                                              \
         "segments", ASDIC_KEY_INTEGER, AT(file_round, segments),                                   \
-            .min = 8, .max = ASDIC_MOST_SEGMENTS, .fallback = "96", .doc = "facets round the circumference"       \
+            .min = 8, .max = ASDIC_MOST_SEGMENTS, .fallback = "96",                                \
+            .doc = "facets round the circumference"                                                \
     }
 static const asdic_key sphere_keys[] = {RADIUS, SEGMENTS};
 static const asdic_table sphere_table = {TABLE(sphere_keys, file_round), .doc = "a sphere"};
