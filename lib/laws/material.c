@@ -137,17 +137,19 @@ static const struct {
 
 asdic_status asdic_material_check_use(asdic_context *ctx, const asdic_material *material,
                                       unsigned use) {
+    /* A bottom, as of facets, may be of what objects are. */
+    unsigned fits = use == ASDIC_LAW_BOTTOM ? ASDIC_LAW_BOTTOM | ASDIC_LAW_OBJECT : use;
     TRY(asdic_material_check(ctx, material));
-    if (material->law->uses & use) {
+    if (material->law->uses & fits) {
         return ASDIC_OK;
     }
     char names[256] = "";
     size_t used = 0, u = 0;
     for (size_t i = 0; i < asdic_law_count() && used < sizeof names; i++) {
         asdic_law_info law = asdic_law_get_info(asdic_law_get(i));
-        used += law.uses & use ? (size_t)snprintf(names + used, sizeof names - used, "%s%s",
-                                                  used ? ", " : "", law.name)
-                               : 0;
+        used += law.uses & fits ? (size_t)snprintf(names + used, sizeof names - used, "%s%s",
+                                                   used ? ", " : "", law.name)
+                                : 0;
     }
     while (uses[u].use != use) {
         u++;

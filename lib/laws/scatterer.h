@@ -80,7 +80,7 @@ size_t asdic_law_key(const asdic_law *law, const char *key);
 asdic_status asdic_material_read_table(asdic_context *ctx, asdic_material *material,
                                        const char *path, asdic_problems *problems);
 
-/* asdic_material_check, and whether the law is made for USE, one of ASDIC_LAW_BOTTOM ... */
+/* asdic_material_check, and whether the law is made for USE, one of ASDIC_LAW_BOTTOM ..., a bottom's also for objects. */
 asdic_status asdic_material_check_use(asdic_context *ctx, const asdic_material *material,
                                       unsigned use);
 

@@ -74,7 +74,7 @@ static void a_scene_is_committed_once(void **state) {
     asdic_scene_destroy(&scene);
 }
 
-/* A law is taken for what law.h says it is made for. */
+/* A law is taken for what law.h says it is made for; a bottom also takes those of objects. */
 static void laws_are_taken_for_their_uses(void **state) {
     (void)state;
     asdic_scene *scene = NULL;
@@ -95,7 +95,8 @@ static void laws_are_taken_for_their_uses(void **state) {
         m.row_count = 2;
         asdic_flat_scene flat = {true, true, 5.0, 5.0, m, {0}};
         asdic_flat_scene up = {true, true, 5.0, 5.0, asdic_material_bottom(2.0), m};
-        asdic_status bottom = law.uses & ASDIC_LAW_BOTTOM ? ASDIC_OK : ASDIC_ERROR_ARGUMENT;
+        asdic_status bottom =
+            law.uses & (ASDIC_LAW_BOTTOM | ASDIC_LAW_OBJECT) ? ASDIC_OK : ASDIC_ERROR_ARGUMENT;
         asdic_status surface = law.uses & ASDIC_LAW_SURFACE ? ASDIC_OK : ASDIC_ERROR_ARGUMENT;
         asdic_status object = law.uses & ASDIC_LAW_OBJECT ? ASDIC_OK : ASDIC_ERROR_ARGUMENT;
         assert_status(t.ctx, asdic_scene_set_bottom_plane(scene, 12.0, m), bottom);

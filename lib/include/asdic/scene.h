@@ -20,8 +20,8 @@ ASDIC_API asdic_status asdic_scene_create(asdic_context *ctx, asdic_scene **out)
 ASDIC_API void asdic_scene_destroy(asdic_scene **scene);
 
 /* The plane z = 0; on in a new scene, with the law of the course. Surface and bottom plane:
- * ASDIC_ERROR_ARGUMENT: the scene is committed, MATERIAL's law is not made for it or a field of it
- * out of range. */
+ * ASDIC_ERROR_ARGUMENT: the scene is committed, MATERIAL's law is not made for it (a bottom may be
+ * of what objects are) or a field of it out of range. */
 ASDIC_API asdic_status asdic_scene_set_surface(asdic_scene *scene, bool enabled);
 ASDIC_API asdic_status asdic_scene_set_surface_law(asdic_scene *scene, asdic_material material);
 ASDIC_API asdic_status asdic_scene_set_bottom_plane(asdic_scene *scene, double depth_m,
