@@ -9,6 +9,7 @@
 typedef struct asdic_lesson {
     asdic_pose pose; /* where it was learnt */
     double turn_rad; /* the vertical may have turned by so much since, seen from the vehicle */
+    double yaw_rad;  /* the vehicle, or the sonar's head, may have yawed by so much */
     double climb_m;  /* the vehicle may have risen or sunk by so much */
     double way_m;    /* and have gone so far */
     bool is_even;    /* there are only planes, which are the same everywhere */

@@ -163,16 +163,17 @@ ASDIC_API size_t asdic_simulator_sample_count(const asdic_simulator *sim);
  * calling it is allowed: pings are then a little noisier, never biased, but of 16 receivers or more
  * they state errors of 4.3 dB, and samplers that do not learn know nothing of echoes that no ray
  * brought. Errors are stated as they are near POSE; a vehicle that has pitched, rolled, risen or
- * sunk since may err twenty times as much, one that has gone far over terrain or past objects ten
- * times. */
+ * sunk since may err twenty times as much, one that has gone far over terrain or past objects, or
+ * turned there, ten times. */
 #define ASDIC_LEARN_BLOCK 32
 ASDIC_API asdic_status asdic_simulator_learn(asdic_simulator *sim, const asdic_pose *pose,
                                              uint64_t index);
 
 /* Whether to learn at POSE before ping INDEX is simulated: at every multiple of ASDIC_LEARN_BLOCK,
- * and where the vehicle has pitched, rolled, risen or sunk, or over terrain and past objects gone,
- * too far from where it learnt. Missions learn when it is due, each block of ASDIC_LEARN_BLOCK
- * pings by itself, so that results do not depend on who ran which ping. false: NULL. */
+ * and where the vehicle has pitched, rolled, risen or sunk, or over terrain and past objects gone
+ * or turned, too far from where it learnt. Missions learn when it is due, each block of
+ * ASDIC_LEARN_BLOCK pings by itself, so that results do not depend on who ran which ping. false:
+ * NULL. */
 ASDIC_API bool asdic_simulator_learn_is_due(const asdic_simulator *sim, const asdic_pose *pose,
                                             uint64_t index);
 
