@@ -156,6 +156,39 @@ static void restate_first_echoes(const conversion *k, size_t beam, const float *
     }
 }
 
+/* Bins in a row that the rays of an object may all miss. */
+#define MOST_GAP 4
+
+/* Energy of objects that may be missing beside CELL: what N rays brought, whose groups have a SPREAD of the root of 1 / N,
+ * none may bring once in exp(N) times. */
+static double missed_beside(const asdic_ping *out, size_t cell, double spread) {
+    return out->intensity_lin[ASDIC_OBJECT][cell] *
+           exp(-0.5 / (spread * spread)); /* spread 0: none */
+}
+
+/* Of few receivers: where the bins on both sides heard an object by a few rays, these may all have missed those between.
+ * Their groups then agree that there is nothing. */
+static void restate_gaps(const conversion *k, size_t beam, const float *spread) {
+    const double to_db = 10.0 / log(10.0);
+    asdic_ping *out = k->out;
+    size_t at = beam * out->bins, before = SIZE_MAX;
+    for (size_t n = 0; n < out->bins; n++) {
+        if (!(out->intensity_lin[ASDIC_OBJECT][at + n] > 0.0)) {
+            continue;
+        }
+        if (before != SIZE_MAX && n - before > 1 && n - before <= MOST_GAP + 1) {
+            double missed = fmin(missed_beside(out, at + before, (double)spread[before]),
+                                 missed_beside(out, at + n, (double)spread[n]));
+            for (size_t gap = at + before + 1; gap < at + n; gap++) {
+                double error =
+                    fmin(missed / out->intensity_lin[ASDIC_TOTAL][gap], (double)MOST_ERROR);
+                out->stderr_db[gap] = fmaxf(out->stderr_db[gap], (float)(to_db * error));
+            }
+        }
+        before = n;
+    }
+}
+
 /* Quanta to energies of one beam. */
 static void convert_beam(const conversion *k, unsigned worker, size_t beam) {
     const asdic_simulator *sim = k->sim;
@@ -191,6 +224,9 @@ static void convert_beam(const conversion *k, unsigned worker, size_t beam) {
     }
     if (!sim->setup.sampling.without_errors) {
         restate_first_echoes(k, beam, spread + first);
+        if (shot->ping->sums.present & 1u << DEV_DEPOSIT_OBJECT) {
+            restate_gaps(k, beam, spread + first);
+        }
     }
 }
 

@@ -1,9 +1,10 @@
 /*
  * Stated against true errors, over many lattice shifts and calibrations: the r.m.s. of one over the other
  * lies within 0.8 and 1.3 over all bins from 2 m on and over the far third of them, within 0.7 and 1.3 where the
- * vehicle has gone on over terrain; within 0.8 and 1.25 of each of many unlike beams, within 0.7 and 1.25 of the bins
- * that open water rules; within 0.6 and 1.4 where the vehicle has come nearer to objects since it learnt, or they to
- * it, within 0.4 and 1.3 of those bins that objects rule; within 0.7 and 1.3 of the bins of first echoes.
+ * vehicle has gone on over terrain, and where it has turned past a quay; within 0.8 and 1.25 of each of many unlike
+ * beams, within 0.7 and 1.25 of the bins that open water rules; within 0.5 and 1.4 where the vehicle has come nearer to
+ * objects since it learnt, or they to it (bins of few receivers that few rays may have missed state that they are not
+ * known), within 0.4 and 1.3 of those bins that objects rule; within 0.7 and 1.3 of the bins of first echoes.
  */
 #include "asserts.h"
 #include "test_device.h"
@@ -159,6 +160,21 @@ static void add_square(honesty_sum *sum, double square) {
     sum->count += 1.0;
 }
 
+/* Of the bins of PING from 2 m on. */
+static void add_ratios(const honesty_rig *r, const asdic_ping *ping, const asdic_ping *truth,
+                       honesty_adder *add, honesty_sum *sums) {
+    size_t first = (size_t)ceil(2.0 / r->sonar.bin_length_m);
+    for (size_t i = 0; i < ping->beams * ping->bins; i++) {
+        if (i % ping->bins < first || !(ping->stderr_db[i] > 0.0f)) {
+            continue;
+        }
+        double off = asdic_level_db(ping->intensity_lin[ASDIC_TOTAL][i]) -
+                     asdic_level_db(truth->intensity_lin[ASDIC_TOTAL][i]);
+        double ratio = off / ping->stderr_db[i];
+        add(r, truth, i, ratio * ratio, sums);
+    }
+}
+
 /* Of so many BLOCKS of four pings each. */
 static void add_errors(honesty_rig *r, uint32_t rays, int blocks, honesty_adder *add,
                        honesty_sum *sums) {
@@ -166,7 +182,6 @@ static void add_errors(honesty_rig *r, uint32_t rays, int blocks, honesty_adder 
     asdic_ping *truth = truth_of(r, rays);
     asdic_simulator *sim = rig_simulator(r, rays);
     asdic_ping *ping = new_ping(r);
-    size_t first = (size_t)ceil(2.0 / r->sonar.bin_length_m);
     for (int block = 0; block < blocks; block++) {
         uint64_t index = (uint64_t)block * ASDIC_LEARN_BLOCK;
         move(r, sim, &r->mover_learnt_at);
@@ -174,15 +189,7 @@ static void add_errors(honesty_rig *r, uint32_t rays, int blocks, honesty_adder 
         move(r, sim, &r->mover_at);
         for (uint64_t k = 0; k < PINGS; k++) {
             assert_ok(t.ctx, asdic_simulator_ping(sim, &r->pose, index + k, ping));
-            for (size_t i = 0; i < ping->beams * ping->bins; i++) {
-                if (i % ping->bins < first || !(ping->stderr_db[i] > 0.0f)) {
-                    continue;
-                }
-                double off = asdic_level_db(ping->intensity_lin[ASDIC_TOTAL][i]) -
-                             asdic_level_db(truth->intensity_lin[ASDIC_TOTAL][i]);
-                double ratio = off / ping->stderr_db[i];
-                add(r, truth, i, ratio * ratio, sums);
-            }
+            add_ratios(r, ping, truth, add, sums);
         }
     }
     asdic_ping_destroy(&ping);
@@ -376,7 +383,7 @@ static void a_dive_learns_anew(void **state) {
     rig_close(&r);
 }
 
-/* A yaw brings no lobe to other elevations. */
+/* Over planes a yaw brings no lobe to other elevations. */
 static void a_level_turn_does_not(void **state) {
     (void)state;
     const honesty_case c = {.scene = "bench_fan", .beams = 32};
@@ -403,6 +410,42 @@ static void a_level_turn_does_not(void **state) {
     pose.roll_rad = 0.0;
     pose.pitch_rad = -0.0163;
     assert_true(asdic_simulator_learn_is_due(sim, &pose, 1));
+    asdic_simulator_destroy(&sim);
+    rig_close(&r);
+}
+
+/* Past a quay it brings other parts of it into a narrow beam, as the head of a scanning sonar does. */
+static void a_turn_past_objects_learns_anew(void **state) {
+    (void)state;
+    enum { PINGS = 24, EVERY = 6, RAYS = 4096 };
+    honesty_rig r = rig_of_text(
+        "{version: 1, environment: {temperature_degc: 11, salinity_ppt: 33, wind_speed_kn: 4}, "
+        "bottom: {depth_m: 8.2, type: sand}, objects: [{name: quay, box: {size_m: [1, 60, 8.2]}, "
+        "position_m: [13.3, 4, 4.1], material: concrete}], sonar: {frequency_khz: 300, "
+        "bandwidth_khz: 30, ping_rate_hz: 10, source_level_db: 204, bin_length_m: 0.1, "
+        "max_range_m: 25, transmitter: {length_h_m: 0.1, length_v_m: 0.01}, receivers: [{name: "
+        "head, length_h_m: 0.1, length_v_m: 0.01}]}, mission: {pose: {position_m: [0, 0, 3.7], "
+        "yaw_deg: -66}}}");
+    asdic_simulator *sim = rig_simulator(&r, RAYS);
+    honesty_sum sums[2] = {{0}};
+    double start_rad = r.pose.yaw_rad;
+    for (uint64_t k = 0; k < PINGS; k++) {
+        r.pose.yaw_rad = start_rad + 1.5 * DEGREE * (double)k;
+        if (asdic_simulator_learn_is_due(sim, &r.pose, k)) {
+            assert_ok(t.ctx, asdic_simulator_learn(sim, &r.pose, k));
+        }
+        if (k % EVERY != EVERY - 1) {
+            continue;
+        }
+        asdic_ping *truth = truth_of(&r, RAYS), *ping = new_ping(&r);
+        assert_ok(t.ctx, asdic_simulator_ping(sim, &r.pose, k, ping));
+        add_ratios(&r, ping, truth, add_far, sums);
+        asdic_ping_destroy(&ping);
+        asdic_ping_destroy(&truth);
+    }
+    double ratio = rms_of(sums[0]);
+    print_message("a turn past a quay: true over stated %.2f\n", ratio);
+    assert_true(ratio > 0.7 && ratio < 1.3);
     asdic_simulator_destroy(&sim);
     rig_close(&r);
 }
@@ -605,7 +648,7 @@ static void objects_that_came_nearer(void **state) {
         print_message(
             "objects before %2zu beams, %g m on, one %g m nearer: true over stated %.2f\n",
             cases[k].beams, cases[k].ahead_m, cases[k].moved_m, rms_of(sums[0]));
-        assert_true(rms_of(sums[0]) > 0.6 && rms_of(sums[0]) < 1.4);
+        assert_true(rms_of(sums[0]) > 0.5 && rms_of(sums[0]) < 1.4);
         rig_close(&r);
     }
 }
@@ -620,6 +663,7 @@ int main(void) {
         cmocka_unit_test(several_beams),
         cmocka_unit_test(a_dive_learns_anew),
         cmocka_unit_test(a_level_turn_does_not),
+        cmocka_unit_test(a_turn_past_objects_learns_anew),
         cmocka_unit_test(a_way_over_terrain_learns_anew),
         cmocka_unit_test(unlike_beams),
         cmocka_unit_test(open_water),
