@@ -9,6 +9,7 @@
 /* The lessons of a block, one after the other. */
 typedef struct course {
     const asdic_mission *mission;
+    asdic_lesson_reach reach;
     asdic_lesson lesson;
     size_t at; /* the ping of the lesson */
 } course;
@@ -19,13 +20,15 @@ static bool go_on(course *c, size_t ping) {
     bool is_due = asdic_lesson_is_due(&c->lesson, &pose, ping);
     if (is_due) {
         c->at = ping;
-        c->lesson = asdic_lesson_at(c->mission->scene, &c->mission->settings.sonar, &pose);
+        c->lesson = asdic_lesson_at(c->mission->scene, &c->reach, &pose);
     }
     return is_due;
 }
 
 static course course_to(const asdic_mission *mission, size_t ping) {
-    course c = {.mission = mission, .lesson = asdic_lesson_none()};
+    course c = {.mission = mission,
+                .reach = asdic_lesson_reach_of(&mission->settings.sonar),
+                .lesson = asdic_lesson_none()};
     for (size_t k = ping - ping % ASDIC_LEARN_BLOCK; k <= ping; k++) {
         go_on(&c, k);
     }

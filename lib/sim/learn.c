@@ -350,7 +350,8 @@ asdic_status asdic_simulator_learn(asdic_simulator *sim, const asdic_pose *pose,
     TRY(asdic_simulator_check_depth(sim->ctx, pose->position_m.z));
     TRY(asdic_simulator_center(sim, pose->position_m));
     asdic_simulator_forget(sim);
-    sim->learnt.lesson = asdic_lesson_at(sim->setup.scene, &sim->setup.sonar, pose);
+    asdic_lesson_reach reach = asdic_lesson_reach_of(&sim->setup.sonar);
+    sim->learnt.lesson = asdic_lesson_at(sim->setup.scene, &reach, pose);
     if (adapts) {
         TRY(learn_table(sim, pose, index));
     }

@@ -58,16 +58,11 @@ static double width_rad(const dev_beam *beam) {
     return fmin(lobe_rad(hypot(h, v)) / level, ASDIC_PI);
 }
 
-typedef struct extent {
-    double height_rad, width_rad;
-} extent;
-
-/* The less of what the transmitter and all receivers together reach, on a level vehicle. */
-static extent sonar_extent(const asdic_sonar *sonar) {
+asdic_lesson_reach asdic_lesson_reach_of(const asdic_sonar *sonar) {
     const asdic_pose level = {{0.0, 0.0, 0.0}, 0.0, 0.0, 0.0};
     double wavelength_m = ASDIC_NOMINAL_MPS / sonar->frequency_hz, lowest = 1.0, highest = -1.0;
     dev_beam transmitter = asdic_aim_beam(&sonar->transmitter, &level, wavelength_m);
-    extent least = {ASDIC_PI, ASDIC_PI};
+    double least_height = ASDIC_PI, least_width = ASDIC_PI;
     double left = INFINITY, right = -INFINITY;
     for (size_t r = 0; r < sonar->receiver_count; r++) {
         dev_beam beam = asdic_aim_beam(&sonar->receivers[r], &level, wavelength_m);
@@ -77,28 +72,28 @@ static extent sonar_extent(const asdic_sonar *sonar) {
         highest = fmax(highest, beam.rows[2]);
         left = fmin(left, turn);
         right = fmax(right, turn);
-        least.height_rad = fmin(least.height_rad, height_rad(&beam));
-        least.width_rad = fmin(least.width_rad, width_rad(&beam));
+        least_height = fmin(least_height, height_rad(&beam));
+        least_width = fmin(least_width, width_rad(&beam));
     }
     double spread = asin(fmin(highest, 1.0)) - asin(fmax(lowest, -1.0));
-    return (extent){fmin(height_rad(&transmitter), spread + least.height_rad),
-                    fmin(width_rad(&transmitter), right - left + least.width_rad)};
+    return (asdic_lesson_reach){fmin(height_rad(&transmitter), spread + least_height),
+                                fmin(width_rad(&transmitter), right - left + least_width),
+                                asdic_beam_fan_is_wanted(sonar)};
 }
 
-asdic_lesson asdic_lesson_at(const asdic_scene *scene, const asdic_sonar *sonar,
+asdic_lesson asdic_lesson_at(const asdic_scene *scene, const asdic_lesson_reach *reach,
                              const asdic_pose *pose) {
-    bool many = asdic_beam_fan_is_wanted(sonar);
+    bool many = reach->many;
     asdic_scene_info info = asdic_scene_get_info(scene);
     bool is_even = info.triangles == 0;
-    extent reach = sonar_extent(sonar);
     double altitude_m = asdic_scene_altitude_m(scene, pose->position_m), boundary = altitude_m;
     if (info.has_surface) {
         boundary = fmin(boundary, pose->position_m.z);
     }
     return (asdic_lesson){
         .pose = *pose,
-        .turn_rad = (many ? TURN_MANY : TURN_FEW) * reach.height_rad,
-        .yaw_rad = is_even ? INFINITY : (many ? YAW_MANY : YAW_FEW) * reach.width_rad,
+        .turn_rad = (many ? TURN_MANY : TURN_FEW) * reach->height_rad,
+        .yaw_rad = is_even ? INFINITY : (many ? YAW_MANY : YAW_FEW) * reach->width_rad,
         .climb_m = (many ? CLIMB_MANY : CLIMB_FEW) * fmax(boundary, NEAREST_M),
         .way_m = is_even ? INFINITY : (many ? WAY_MANY : WAY_FEW) * fmax(altitude_m, NEAREST_M),
         .is_even = is_even,

@@ -15,7 +15,15 @@ typedef struct asdic_lesson {
     bool is_even;    /* there are only planes, which are the same everywhere */
 } asdic_lesson;
 
-asdic_lesson asdic_lesson_at(const asdic_scene *scene, const asdic_sonar *sonar,
+/* What a sonar reaches, the less of what the transmitter and all receivers together do: wherever it is. */
+typedef struct asdic_lesson_reach {
+    double height_rad, width_rad;
+    bool many; /* receivers */
+} asdic_lesson_reach;
+
+asdic_lesson_reach asdic_lesson_reach_of(const asdic_sonar *sonar);
+
+asdic_lesson asdic_lesson_at(const asdic_scene *scene, const asdic_lesson_reach *reach,
                              const asdic_pose *pose);
 
 /* Where nothing was learnt: it serves everywhere. */
