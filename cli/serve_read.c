@@ -67,7 +67,7 @@ static bool ends_with(const char *name, const char *unit) {
     return length > size && strcmp(name + length - size, unit) == 0;
 }
 
-/* An unknown name with a number: for a column by its letters, or for one of the angles or the depth by its unit. */
+/* An unknown name with a number: meant for a column by its spelling, or for one of the angles or the depth by its unit. */
 static void note_strange(name_list *names, const char *text, size_t length) {
     char name[NAME_SIZE];
     if (length == 0 || length >= sizeof name) {

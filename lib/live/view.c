@@ -7,7 +7,6 @@
 #include "base/vec.h"
 #include "loop.h"
 #include "mission/mission.h"
-#include "mission/track/track.h"
 #include "out/beam_width.h"
 #include "out/raster.h"
 
@@ -43,8 +42,7 @@ asdic_pose asdic_view_sonar_pose(const asdic_view *view) {
 }
 
 asdic_vec3 asdic_view_object_m(const asdic_view *view, const asdic_mission_object *o) {
-    const asdic_track *track = o->moves ? asdic_mission_track_of(view->mission, o->name) : NULL;
-    return track ? asdic_track_pose(track, view->ping.time_s).position_m : o->pose.position_m;
+    return asdic_mission_object_pose_at(view->mission, o, view->ping.time_s).position_m;
 }
 
 double asdic_view_half_width_rad(const asdic_view *view, double length_m) {
@@ -126,8 +124,7 @@ static asdic_status open_loop(asdic_view *view, const asdic_pose *pose, double s
     }
     if (!view->wants_recording) { /* a run begins with ping 0; else a scanned head goes on */
         asdic_loop_begin_at(view->loop, next);
-    }
-    if (view->wants_recording) {
+    } else {
         TRY(asdic_recording_begin(view->ctx, view->mission, view->device, view->options.folder,
                                   &view->recording));
         asdic_view_say(view, "recording %03u", asdic_recording_number(view->recording));
@@ -335,9 +332,7 @@ static asdic_status begin(asdic_view *view) {
     const asdic_view_options *o = &view->options;
     view->chosen = asdic_mission_get_choices(view->mission);
     if (asdic_settings_rays_are_auto(&view->mission->settings)) {
-        double speed_mps = asdic_environment_sound_speed_mps(
-            asdic_mission_environment(view->mission),
-            asdic_mission_pose(view->mission, 0, NULL).position_m.z);
+        double speed_mps = asdic_mission_speed_mps(view->mission);
         uint32_t enough =
             asdic_governor_enough(sonar->receiver_count, asdic_sonar_bin_count(sonar, speed_mps));
         uint32_t usual = asdic_sampling_default().rays;

@@ -163,6 +163,11 @@ asdic_pose asdic_mission_pose(const asdic_mission *mission, size_t index, double
     return mission ? asdic_sweep_sonar(&mission->settings.sweep, &vehicle, index) : vehicle;
 }
 
+double asdic_mission_speed_mps(const asdic_mission *mission) {
+    return asdic_environment_sound_speed_mps(&mission->settings.environment,
+                                             asdic_mission_pose(mission, 0, NULL).position_m.z);
+}
+
 /* Time of ping INDEX by the pings' clock. */
 static double time_of(const asdic_mission *mission, size_t index) {
     double time_s;
@@ -203,10 +208,15 @@ const asdic_track *asdic_mission_track_of(const asdic_mission *mission, const ch
     return found ? found->track : NULL;
 }
 
+asdic_pose asdic_mission_object_pose_at(const asdic_mission *mission,
+                                        const asdic_mission_object *object, double time_s) {
+    const asdic_track *track = object->moves ? asdic_mission_track_of(mission, object->name) : NULL;
+    return track ? asdic_track_pose(track, time_s) : object->pose;
+}
+
 asdic_pose asdic_mission_object_pose(const asdic_mission *mission, size_t object, size_t index) {
     const asdic_mission_object *o = asdic_mission_get_object(mission, object);
-    const asdic_track *track = o && o->moves ? asdic_mission_track_of(mission, o->name) : NULL;
-    return track ? asdic_track_pose(track, time_of(mission, index)) : o ? o->pose : (asdic_pose){0};
+    return o ? asdic_mission_object_pose_at(mission, o, time_of(mission, index)) : (asdic_pose){0};
 }
 
 asdic_flat_scene asdic_mission_flat_scene(const asdic_mission *mission, size_t index) {

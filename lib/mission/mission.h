@@ -99,6 +99,13 @@ bool asdic_mission_reaches(const asdic_mission *mission, const char *name);
 /* Frees the meshes of objects' files. */
 void asdic_mission_forget_meshes(asdic_mission *mission);
 
+/* The sound speed at the first ping's depth, for which a simulator fixes the number of bins. */
+double asdic_mission_speed_mps(const asdic_mission *mission);
+
+/* Where OBJECT, or its mesh frame, is. */
+asdic_pose asdic_mission_object_pose_at(const asdic_mission *mission,
+                                        const asdic_mission_object *object, double time_s);
+
 /* Of the object NAME; NULL: it stays where it is. */
 const asdic_track *asdic_mission_track_of(const asdic_mission *mission, const char *name);
 

@@ -88,9 +88,7 @@ static asdic_status build(mission_builder *b) {
 
 static asdic_status check_memory(asdic_context *ctx, const asdic_mission *m) {
     const asdic_sonar *sonar = asdic_mission_sonar(m);
-    double depth_m = asdic_mission_pose(m, 0, NULL).position_m.z;
-    double speed_mps = asdic_environment_sound_speed_mps(asdic_mission_environment(m), depth_m);
-    size_t bins = asdic_sonar_bin_count(sonar, speed_mps);
+    size_t bins = asdic_sonar_bin_count(sonar, asdic_mission_speed_mps(m));
     uint64_t needed = (uint64_t)sonar->receiver_count * bins * LEVEL_BYTES;
     char what[64];
     snprintf(what, sizeof what, "%zu beams of %zu bins need", sonar->receiver_count, bins);

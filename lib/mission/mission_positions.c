@@ -292,9 +292,7 @@ static size_t first_inside(const asdic_mission *m, const asdic_mission_object *o
 }
 
 static double range_of(const asdic_mission *m) {
-    double depth_m = asdic_mission_pose(m, 0, NULL).position_m.z;
-    return asdic_sonar_max_range_m(
-        &m->settings.sonar, asdic_environment_sound_speed_mps(&m->settings.environment, depth_m));
+    return asdic_sonar_max_range_m(&m->settings.sonar, asdic_mission_speed_mps(m));
 }
 
 bool asdic_mission_reaches(const asdic_mission *mission, const char *name) {
@@ -407,11 +405,11 @@ static double facets_needed(double radius_wl) {
 static void remark_on_facets(mission_builder *b) {
     const asdic_mission *m = b->mission;
     const file_object *objects = b->file->objects.items;
-    double wavelength_m =
-        asdic_environment_sound_speed_mps(&m->settings.environment,
-                                          asdic_mission_pose(m, 0, NULL).position_m.z) /
-        m->settings.sonar.frequency_hz;
-    for (size_t i = 0; m->settings.sampling.coherent && i < b->file->objects.count; i++) {
+    if (!m->settings.sampling.coherent) {
+        return;
+    }
+    double wavelength_m = asdic_mission_speed_mps(m) / m->settings.sonar.frequency_hz;
+    for (size_t i = 0; i < b->file->objects.count; i++) {
         const file_object *o = &objects[i];
         const file_round *round = o->sphere.node ? &o->sphere : &o->cylinder;
         asdic_material_file rows;

@@ -10,12 +10,6 @@
 
 #include <math.h>
 
-/* The sound speed for which a simulator fixes the number of bins. */
-static double speed_mps(const asdic_mission *m) {
-    return asdic_environment_sound_speed_mps(&m->settings.environment,
-                                             asdic_mission_pose(m, 0, NULL).position_m.z);
-}
-
 static asdic_rays_over rays_over_of(const asdic_scene_file *file, asdic_multipath multipath) {
     const file_object *objects = file->objects.items;
     bool meshes = file->bottom.mesh.node || file->bottom.grid.node;
@@ -31,7 +25,8 @@ void asdic_mission_build_rays(mission_builder *b) {
     asdic_settings *s = &b->mission->settings;
     s->rays_over = rays_over_of(b->file, s->sampling.multipath);
     if (b->file->sampling.rays == FILE_RAYS_AUTO) {
-        s->auto_rays = asdic_rays_auto(&s->sonar, speed_mps(b->mission), s->rays_over);
+        s->auto_rays =
+            asdic_rays_auto(&s->sonar, asdic_mission_speed_mps(b->mission), s->rays_over);
         s->sampling.rays = s->auto_rays;
     }
 }
@@ -42,7 +37,7 @@ asdic_ray_forecast asdic_mission_ray_forecast(const asdic_mission *mission) {
     }
     const asdic_settings *s = &mission->settings;
     uint32_t rays = s->sampling.rays;
-    double c_mps = speed_mps(mission);
+    double c_mps = asdic_mission_speed_mps(mission);
     bool is_known = !s->sampling.coherent && s->sampling.sampler == ASDIC_SAMPLER_ADAPTIVE;
     double error_db =
         is_known ? asdic_rays_error_db(&s->sonar, c_mps, s->rays_over, rays) : (double)NAN;

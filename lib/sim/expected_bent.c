@@ -543,7 +543,8 @@ static asdic_status integrate(asdic_context *ctx, bent_job *job, const asdic_rin
     for (size_t i = 0; i + 1 < count && status == ASDIC_OK; i++) {
         stretch whole = {edges[i], edges[i + 1], 1.0}, w = whole;
         while (w.begin_rad < whole.end_rad && status == ASDIC_OK) {
-            for (; k < kink_count && kinks[k] < w.begin_rad + 1e-9; k++) {
+            while (k < kink_count && kinks[k] < w.begin_rad + 1e-9) {
+                k++;
             }
             bool ends = k == kink_count || kinks[k] > whole.end_rad - 1e-9;
             w.end_rad = ends ? whole.end_rad : kinks[k];

@@ -79,14 +79,16 @@ WIDEST static void restate_objects(float ratio, const float *restrict spread,
     }
 }
 
+/* dB per relative error: 10 / ln 10. */
+#define TO_DB 4.3429448190325175
+
 /* ECHO and a bin's noise to the total, and the echo's relative error to its part of the total, in dB. */
 WIDEST static void end_cells(const double *restrict echo, double noise_lin,
-                             const float *restrict error, double to_db, size_t bins,
-                             double *restrict noise, double *restrict total,
-                             float *restrict stderr_db) {
+                             const float *restrict error, size_t bins, double *restrict noise,
+                             double *restrict total, float *restrict stderr_db) {
     for (size_t n = 0; n < bins; n++) {
         double sum = echo[n] + noise_lin;
-        double error_db = to_db * (double)error[n] * (echo[n] / sum);
+        double error_db = TO_DB * (double)error[n] * (echo[n] / sum);
         noise[n] = noise_lin;
         total[n] = sum;
         stderr_db[n] = echo[n] > 0.0 ? (float)error_db : 0.0f;
@@ -128,9 +130,7 @@ static double noise_of(const conversion *c, size_t beam) {
 
 static void end_block(const double *echo, double noise_lin, const float *error, size_t at,
                       size_t count, asdic_ping *out) {
-    /* dB per relative error */
-    const double to_db = 10.0 / log(10.0);
-    end_cells(echo, noise_lin, error, to_db, count, out->intensity_lin[ASDIC_NOISE] + at,
+    end_cells(echo, noise_lin, error, count, out->intensity_lin[ASDIC_NOISE] + at,
               out->intensity_lin[ASDIC_TOTAL] + at, out->stderr_db + at);
 }
 
@@ -139,7 +139,7 @@ static void end_block(const double *echo, double noise_lin, const float *error, 
 static void restate_first_echoes(const conversion *k, size_t beam, const float *spread) {
     const asdic_setup *setup = &k->sim->setup;
     size_t bins = setup->bins, at = beam * bins;
-    const double to_db = 10.0 / log(10.0), *total = k->out->intensity_lin[ASDIC_TOTAL] + at;
+    const double *total = k->out->intensity_lin[ASDIC_TOTAL] + at;
     const double *noise = k->out->intensity_lin[ASDIC_NOISE] + at;
     for (size_t b = 0; b < ASDIC_BOUNDARIES; b++) {
         size_t then = asdic_calibration_first_bin(k->sim, b, beam);
@@ -151,7 +151,7 @@ static void restate_first_echoes(const conversion *k, size_t beam, const float *
             float own = spread ? spread[now] : 0.0f, error = 0.0f;
             float *stated = k->out->stderr_db + at + now;
             estimate_errors(&k->sim->learnt.stated[at + then], &own, &echo, 1, &error);
-            *stated = fmaxf(*stated, (float)(to_db * (double)error * echo / total[now]));
+            *stated = fmaxf(*stated, (float)(TO_DB * (double)error * echo / total[now]));
         }
     }
 }
@@ -169,7 +169,6 @@ static double missed_beside(const asdic_ping *out, size_t cell, double spread) {
 /* Of few receivers: where the bins on both sides heard an object by a few rays, these may all have missed those between.
  * Their groups then agree that there is nothing. */
 static void restate_gaps(const conversion *k, size_t beam, const float *spread) {
-    const double to_db = 10.0 / log(10.0);
     asdic_ping *out = k->out;
     size_t at = beam * out->bins, before = SIZE_MAX;
     for (size_t n = 0; n < out->bins; n++) {
@@ -182,7 +181,7 @@ static void restate_gaps(const conversion *k, size_t beam, const float *spread) 
             for (size_t gap = at + before + 1; gap < at + n; gap++) {
                 double error =
                     fmin(missed / out->intensity_lin[ASDIC_TOTAL][gap], (double)MOST_ERROR);
-                out->stderr_db[gap] = fmaxf(out->stderr_db[gap], (float)(to_db * error));
+                out->stderr_db[gap] = fmaxf(out->stderr_db[gap], (float)(TO_DB * error));
             }
         }
         before = n;

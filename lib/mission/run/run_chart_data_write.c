@@ -29,8 +29,6 @@ typedef struct extent {
 
 /* The area that the sonar reaches from any ping. */
 static extent reach_of(const asdic_mission *mission) {
-    const asdic_sonar *sonar = asdic_mission_sonar(mission);
-    const asdic_environment *env = asdic_mission_environment(mission);
     extent e = {INFINITY, INFINITY, -INFINITY, -INFINITY};
     for (size_t i = 0; i < asdic_mission_ping_count(mission); i++) {
         asdic_vec3 at_m = asdic_mission_pose(mission, i, NULL).position_m;
@@ -39,9 +37,8 @@ static extent reach_of(const asdic_mission *mission) {
         e.west_m = fmin(e.west_m, at_m.y);
         e.east_m = fmax(e.east_m, at_m.y);
     }
-    double depth_m = asdic_mission_pose(mission, 0, NULL).position_m.z;
     double range_m =
-        asdic_sonar_max_range_m(sonar, asdic_environment_sound_speed_mps(env, depth_m));
+        asdic_sonar_max_range_m(asdic_mission_sonar(mission), asdic_mission_speed_mps(mission));
     return (extent){e.south_m - range_m, e.west_m - range_m, e.north_m + range_m,
                     e.east_m + range_m};
 }

@@ -89,9 +89,8 @@ static asdic_status describe(asdic_run_job *job) {
     asdic_run_facts *f = &job->facts;
     const asdic_mission *m = job->mission;
     const asdic_sonar *sonar = asdic_mission_sonar(m);
-    double depth_m = asdic_mission_pose(m, 0, NULL).position_m.z;
     TRY(choose_refraction(job));
-    double speed_mps = asdic_environment_sound_speed_mps(asdic_mission_environment(m), depth_m);
+    double speed_mps = asdic_mission_speed_mps(m);
     f->version = asdic_version();
     f->state = ASDIC_RUN_RUNNING;
     f->scene_path = path_from_root(job);
@@ -198,9 +197,8 @@ static asdic_status open_store(asdic_run_job *job, asdic_store_mode mode) {
 /* Of the pressures that the run writes. */
 static asdic_elements_shape elements_of(const asdic_run_job *job) {
     const asdic_settings *settings = &job->mission->settings;
-    double depth_m = asdic_mission_pose(job->mission, 0, NULL).position_m.z;
-    double speed_mps = asdic_environment_sound_speed_mps(&settings->environment, depth_m);
-    return asdic_elements_shape_of(settings, job->facts.pings_planned, job->facts.bins, speed_mps);
+    return asdic_elements_shape_of(settings, job->facts.pings_planned, job->facts.bins,
+                                   asdic_mission_speed_mps(job->mission));
 }
 
 static asdic_status open_elements(asdic_run_job *job, bool goes_on) {

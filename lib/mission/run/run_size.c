@@ -45,9 +45,7 @@ static const struct {
 /* --- how much --------------------------------------------------------------------------------- */
 
 static size_t bins_of(const asdic_mission *m) {
-    double depth_m = asdic_mission_pose(m, 0, NULL).position_m.z;
-    return asdic_sonar_bin_count(
-        &m->settings.sonar, asdic_environment_sound_speed_mps(&m->settings.environment, depth_m));
+    return asdic_sonar_bin_count(&m->settings.sonar, asdic_mission_speed_mps(m));
 }
 
 /* Mean length of COUNT numbers, that of number I being FIRST + I * STEP. */
@@ -117,9 +115,8 @@ uint64_t asdic_mission_ping_bytes(const asdic_mission *mission) {
         }
     }
     double cells = (double)beams * (double)bins;
-    double depth_m = asdic_mission_pose(mission, 0, NULL).position_m.z;
-    double speed_mps = asdic_environment_sound_speed_mps(&s->environment, depth_m);
-    asdic_elements_shape elements = asdic_elements_shape_of(s, 1, bins, speed_mps);
+    asdic_elements_shape elements =
+        asdic_elements_shape_of(s, 1, bins, asdic_mission_speed_mps(mission));
     return asdic_record_stored_bytes(&layout) + asdic_record_truth_bytes(&layout) + beside +
            asdic_elements_bytes(&elements) +
            (uint64_t)(cells * ((double)each + csv_bytes(mission, bins, layout.parts)));
