@@ -119,6 +119,12 @@ static void print_object(const asdic_mission_object *o) {
     }
 }
 
+/* Besides a bottom that is a mesh, which comes first. */
+static bool has_objects(const asdic_mission *m) {
+    size_t count = asdic_mission_object_count(m);
+    return count > 0 && asdic_mission_get_object(m, count - 1)->name[0];
+}
+
 static void print_text(const char *path, asdic_mission *m, const scene_numbers *n) {
     const asdic_sonar *sonar = asdic_mission_sonar(m);
     printf("%s: a valid scene\n", path);
@@ -142,7 +148,8 @@ static void print_text(const char *path, asdic_mission *m, const scene_numbers *
     } else if (isnan(n->rays.stderr_db)) {
         printf(", for an error that 'asdic plan' measures\n");
     } else {
-        printf(", for a stated error of about %.2g dB r.m.s.\n", n->rays.stderr_db);
+        printf(", for a stated error of about %.2g dB r.m.s.%s\n", n->rays.stderr_db,
+               has_objects(m) ? ", more at objects' edges" : "");
     }
     printf("  water       %.6g m/s and %.4g dB/km at %.4g kHz, %.4g m deep\n", n->sound_speed_mps,
            n->absorption_db_per_km, 1e-3 * sonar->frequency_hz, n->depth_m);

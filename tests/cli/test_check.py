@@ -53,7 +53,7 @@ def test_example_is_described():
   pings       1 in 0 s
   beams       1: forward
   bins        149 of 0.5 m, from 0.5 to 74.505 m
-  rays        20000 a ping, for a stated error of about 0.022 dB r.m.s.
+  rays        20000 a ping, for a stated error of about 0.022 dB r.m.s., more at objects' edges
   water       1490.1 m/s and 33.57 dB/km at 100 kHz, 7 m deep
   surface     at z = 0
   bottom      flat at z = 12 m
