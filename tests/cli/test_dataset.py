@@ -164,6 +164,32 @@ def test_frames_of_other_depths_are_the_same_in_parts():
             tap.equal(len(shapes), 1, "shapes")
 
 
+def test_an_array_is_of_one_size_in_all_depths():
+    """Frames of one wind share a scene, at depths that sound speeds differ between by 5 m/s, or by 155 m/s in a
+    gradient."""
+    program.need_device()
+    with Folder() as folder:
+        for water in ("", "sound_speed_gradient_per_s: -0.5, "):
+            path = scene(folder, a=("surface: {enabled: false}\n", f"environment: {{{water}wind_speed_kn: 5}}\n"),
+                         b=("receivers: {fan: {count: 48, sector_deg: 60, length_h_m: 0.1, length_v_m: 0.01}}",
+                            "array: {elements: 32, element: {length_v_m: 0.01}, beams: {count: 8, sector_deg: 90}}"),
+                         c=("depth_m: 10,", "depth_m: 320,"), d=("[9, 0, 8.8]", "[9, 0, 318.8]"),
+                         e=("{key: mission.pose.yaw_deg, uniform: [-5, 5]}",
+                            "{key: 'mission.pose.position_m[2]', uniform: [5, 315]}\n"
+                            "    - {key: environment.wind_speed_kn, choice: [5, 10]}"))
+            make = ("dataset", path, "-n", 6, "--radius", 32)
+            asdic(*make, "-o", folder / "d", "--force").check(code=0)
+            whole = files(folder / "d")
+            for k in (1, 2):
+                asdic(*make, "--shard", f"{k}/2", "-o", folder / f"p{k}", "--force").check(code=0)
+            asdic("merge", folder / "p1", folder / "p2", "-o", folder / "m", "--force").check(code=0)
+            tap.equal(files(folder / "m") == whole, True, "parts joined are the whole")
+            os.remove(folder / "d/frames/000004.txt")
+            os.remove(folder / "d/frames/000005.txt")
+            asdic(*make, "-o", folder / "d", "--resume").check(code=0)
+            tap.equal(files(folder / "d") == whole, True, "resumed is the whole")
+
+
 def test_frames_in_layers_of_water():
     """There nothing moves, so that each frame is of a scene of its own. Layers that hardly differ show the objects
     where one layer does."""

@@ -100,8 +100,8 @@ static built *make_place(dataset *d) {
     return oldest;
 }
 
-/* Builds a simulator for MISSION, which is taken over. What hangs on the sound speed at the sonar (bins, automatic
- * rays, speckle) is that of frame 0's depth in all scenes, whichever frame builds one. */
+/* Builds a simulator for MISSION, which is taken over. What hangs on the sound speed at the sonar (array, bins,
+ * automatic rays, speckle) is that of frame 0's depth in all scenes, whichever frame builds one. */
 static asdic_status build(dataset *d, asdic_mission *mission, built **out) {
     built *b = *out = make_place(d);
     b->mission = mission;
@@ -138,7 +138,7 @@ static asdic_status load(dataset *d, size_t index, asdic_mission **mission, buil
         bases[i] = d->kept[i].mission;
     }
     const asdic_draw draw = {d->options.seed, index};
-    TRY(asdic_mission_load_like(d->ctx, d->scene, &draw, bases, KEPT, mission));
+    TRY(asdic_mission_load_like(d->ctx, d->scene, &draw, d->depth_m, bases, KEPT, mission));
     for (size_t i = 0; i < KEPT; i++) {
         if ((*mission)->base && (*mission)->base == bases[i]) {
             *from = &d->kept[i];

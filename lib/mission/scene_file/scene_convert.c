@@ -51,14 +51,11 @@ static asdic_beam convert_beam(const file_beam *b, const char *name) {
     return beam;
 }
 
-/* The array in the water's wavelength at the vehicle's depth, or at the surface. */
 static asdic_array convert_array(const asdic_scene_file *file) {
     const file_array *a = &file->sonar.array;
-    const file_pose *pose = &file->mission.pose;
     asdic_environment env = asdic_scene_file_environment(file);
-    double depth_m = pose->node ? fmax(pose->position_m[2], 0.0) : 0.0;
-    double wavelength_m =
-        asdic_environment_sound_speed_mps(&env, depth_m) / (1e3 * file->sonar.frequency_khz);
+    double wavelength_m = asdic_environment_sound_speed_mps(&env, file->array_depth_m) /
+                          (1e3 * file->sonar.frequency_khz);
     double spacing_m = a->spacing_wl * wavelength_m;
     file_beam element = {.pitch_deg = a->pitch_deg,
                          .yaw_deg = a->yaw_deg,
