@@ -4,6 +4,7 @@
 #include "base/try.h"
 #include "base/vec.h"
 #include "laws/keys.h"
+#include "texture.h"
 
 #include "../../kernels/water.h"
 
@@ -42,8 +43,9 @@ static asdic_status check_fields(asdic_context *ctx, const char *where, const so
         const sonar_field *f = &fields[i];
         if (!(f->value >= f->min && f->value <= f->max)) {
             return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
-                              "sonar: '%s'%s%s = %g is out of range [%g, %g] %s", f->name,
-                              *where ? " of beam " : "", where, f->value, f->min, f->max, f->unit);
+                              "sonar: '%s'%s%s = %g is out of range [%g, %g]%s%s", f->name,
+                              *where ? " of beam " : "", where, f->value, f->min, f->max,
+                              *f->unit ? " " : "", f->unit);
         }
     }
     return ASDIC_OK;
@@ -125,9 +127,10 @@ asdic_status asdic_sonar_check(asdic_context *ctx, const asdic_sonar *sonar) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "sonar: unknown speckle %d",
                           (int)sonar->speckle);
     }
-    if (sonar->speckle == ASDIC_SPECKLE_K && !(sonar->speckle_shape >= 0.05)) {
-        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "sonar: 'speckle_shape' = %g is below 0.05",
-                          sonar->speckle_shape);
+    const sonar_field shape = {"speckle_shape", "", sonar->speckle_shape, ASDIC_SHAPE_LEAST,
+                               ASDIC_SHAPE_MOST};
+    if (sonar->speckle == ASDIC_SPECKLE_K) {
+        TRY(check_fields(ctx, "", &shape, 1));
     }
     TRY(check_array(ctx, &sonar->array));
     TRY(check_beam(ctx, &sonar->transmitter));

@@ -6,11 +6,15 @@
 
 #include <asdic/common.h>
 
+/* Shapes that the table is right for: spikier has no use, and higher is Rayleigh's. */
+#define ASDIC_SHAPE_LEAST 0.05
+#define ASDIC_SHAPE_MOST 1000.0
+
 typedef struct asdic_texture {
     double *log_texture; /* at equal steps of ln of the exponential */
 } asdic_texture;
 
-/* For gamma variates of SHAPE, 0.05..1000. False: no memory. */
+/* For gamma variates of SHAPE. False: no memory. */
 bool asdic_texture_init(asdic_texture *t, double shape);
 void asdic_texture_finish(asdic_texture *t);
 

@@ -72,7 +72,7 @@ typedef struct asdic_sonar {
     bool noise_enabled;          /* noise in the band, in every bin: ambient, and the sonar's own */
     bool noise_directivity;      /* ambient noise less by the receiver's directivity */
     asdic_speckle speckle;
-    double speckle_shape; /* of K: nu, 0.05 or more; small is spiky */
+    double speckle_shape; /* of K: nu, 0.05 to 1000; small is spiky */
     double rear_floor_db; /* leak behind faces, dB re the same angle in front; -INFINITY: none */
     double max_range_m;   /* nothing farther is received; NAN: as far as the ping rate lets */
     asdic_array array;

@@ -5,6 +5,7 @@
 
 #include "laws/keys.h"
 #include "mission/track/flight.h"
+#include "sim/texture.h"
 
 #include <math.h>
 
@@ -159,8 +160,8 @@ static const asdic_key sonar_keys[] = {
      .doc = "ambient noise, and the sonar's own"},
     {"speckle", ASDIC_KEY_WORD, SONAR(speckle), .words = speckle_words, .fallback = "none",
      .doc = "random interference of the echoes in a resolution cell, shared by beams that overlap"},
-    {"speckle_shape", ASDIC_KEY_NUMBER, SONAR(speckle_shape), .min = 0.05, .max = 1000,
-     .doc = "shape of K-distributed speckle; large is Rayleigh"},
+    {"speckle_shape", ASDIC_KEY_NUMBER, SONAR(speckle_shape), .min = ASDIC_SHAPE_LEAST,
+     .max = ASDIC_SHAPE_MOST, .doc = "shape of K-distributed speckle; large is Rayleigh"},
     {"rear_floor_db", ASDIC_KEY_NUMBER, SONAR(rear_floor_db), .unit = "dB", .min = -200, .max = 0,
      .words = none_words, .fallback = "none",
      .doc = "what leaks in and out behind the apertures, re the same angle in front"},
