@@ -62,23 +62,28 @@ void asdic_plan_row_set(asdic_plan *plan, asdic_term term, bool kept, double bou
     }
 }
 
+/* Sides, in wavelengths, from which on the solid angle goes as one over the side: right to 2e-5. */
+#define LONG_WL 256.0
+
 /* Integral over the sphere of the transmitter's one-way pattern: no echo can use more solid angle,
- * since a receiver's gain is at most 1. Midpoint sums, generously many, even in elevation: a narrow
- * beam over all bearings lies in few steps of its sine. */
+ * since a receiver's gain is at most 1. Midpoint sums over a quarter of the front, generously many,
+ * even in elevation: a narrow beam over all bearings lies in few steps of its sine. */
 static double transmit_solid_angle(const asdic_sonar *sonar, double wavelength_m) {
     const asdic_beam *beam = &sonar->transmitter;
-    double h = beam->length_h_m / wavelength_m, v = beam->length_v_m / wavelength_m;
+    double length_h = beam->length_h_m / wavelength_m, length_v = beam->length_v_m / wavelength_m;
+    double h = fmin(length_h, LONG_WL), v = fmin(length_v, LONG_WL);
     double rear = pow(10.0, sonar->rear_floor_db / 10.0), sum = 0.0;
-    int rows = 64 + (int)(16.0 * v + 4.0 * h), columns = 64 + (int)(16.0 * h);
+    int rows = 32 + (int)(8.0 * v + 2.0 * h), columns = 32 + (int)(2.0 * h);
     for (int i = 0; i < rows; i++) {
-        double elevation_rad = ASDIC_PI * ((i + 0.5) / rows - 0.5);
+        double elevation_rad = 0.5 * ASDIC_PI * (i + 0.5) / rows;
         double vz = sin(elevation_rad), m = cos(elevation_rad);
         for (int k = 0; k < columns; k++) {
-            double phi = ASDIC_PI * ((k + 0.5) / columns - 0.5);
+            double phi = 0.5 * ASDIC_PI * (k + 0.5) / columns;
             sum += beam_pattern_lin(m * cos(phi), m * sin(phi), vz, h, v, rear) * m;
         }
     }
-    return (1.0 + rear) * sum * ASDIC_PI / rows * ASDIC_PI / columns;
+    return (1.0 + rear) * sum * ASDIC_PI / rows * ASDIC_PI / columns * (h / length_h) *
+           (v / length_v);
 }
 
 double asdic_plan_change_db(double energy, double noise) {

@@ -224,6 +224,38 @@ static void bounds_grow_with_the_energy(void **state) {
     end(&y);
 }
 
+/* The energy of all water is as the transmitter's solid angle: of sides of H and V wavelengths, since sinc^2 is the
+ * transform of a triangle, 8 pi times the integral over s and t from 0 to 1 of
+ * (1 - s) (1 - t) sinc(2 sqrt(H^2 s^2 + V^2 t^2)), here by Gauss's rule; of the longest 1 / (H V). */
+static void water_is_seen_through_the_solid_angle(void **state) {
+    (void)state;
+    static const struct {
+        double h, v, solid_angle, tolerance;
+    } rows[] = {
+        {3, 2, 0.164113431083821, 0},
+        {0.5, 4, 0.523428934313419, 1e-9},
+        {10, 3, 0.0331015731881255, 1e-9},
+        {2, 25, 0.0197720700337837, 1e-9},
+        {40, 20, 0.0012493523814882, 1e-9},
+        {100, 100, 9.99930099932516e-05, 1e-9},
+        {6000, 6000, 1.0 / (6000.0 * 6000.0), 2e-5},
+    };
+    double first = 0.0;
+    yard y = begin(true, true);
+    y.env.sound_speed_mps = 1500.0; /* at 100 kHz 15 mm a wavelength */
+    y.sonar.source_level_db = 230.0;
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        y.sonar.transmitter.length_h_m = 0.015 * rows[i].h;
+        y.sonar.transmitter.length_v_m = 0.015 * rows[i].v;
+        make(&y);
+        double energy = energy_of(ASDIC_TERM_VOLUME);
+        first = i ? first : energy;
+        assert_close_relative(energy / first, rows[i].solid_angle / rows[0].solid_angle,
+                              rows[i].tolerance);
+    }
+    end(&y);
+}
+
 /* Those beyond the range, behind the faces, in reach. */
 static void objects_are_counted(void **state) {
     (void)state;
@@ -555,6 +587,7 @@ int main(void) {
         cmocka_unit_test(the_nearest_place_counts),
         cmocka_unit_test(boric_acid_is_bounded_by_the_range),
         cmocka_unit_test(bounds_grow_with_the_energy),
+        cmocka_unit_test(water_is_seen_through_the_solid_angle),
         cmocka_unit_test(objects_are_counted),
         cmocka_unit_test(boxes_add_up),
         cmocka_unit_test(mirrors_are_bounded_by_both_ways),
