@@ -444,6 +444,13 @@ static void full_disk_loses_nothing(void **state) {
     end(&f);
 }
 
+/* At 0 dB the noise drowns the water's echoes, at 200 dB it does not. */
+static void choose_level(fixture *f, double source_level_db) {
+    asdic_choices choices = asdic_mission_get_choices(f->mission);
+    choices.source_level_db = source_level_db;
+    assert_int_equal(asdic_mission_choose(f->ctx, f->mission, &choices), ASDIC_OK);
+}
+
 static void parts_join_to_the_whole(void **state) {
     (void)state;
     fixture f;
@@ -479,6 +486,11 @@ static void parts_join_to_the_whole(void **state) {
     parts[0] = in_folder("c");
     assert_int_equal(asdic_run_merge(f.ctx, parts, 3, other, false), ASDIC_ERROR_INPUT);
     assert_non_null(strstr(asdic_context_error(f.ctx), "seed"));
+    asdic_mission_sampling(f.mission)->seed = 1;
+    choose_level(&f, 200.0);
+    assert_int_equal(run(&f, 1, options, "c"), ASDIC_OK);
+    assert_int_equal(asdic_run_merge(f.ctx, parts, 3, other, false), ASDIC_ERROR_INPUT);
+    assert_non_null(strstr(asdic_context_error(f.ctx), "differ in their choice of terms"));
     assert_int_not_equal(access(other, F_OK), 0);
     end(&f);
 }
@@ -553,6 +565,10 @@ static void folders_are_not_overwritten(void **state) {
     assert_int_equal(run(&f, 1, resume, "reference"), ASDIC_ERROR_EXISTS);
     assert_non_null(strstr(asdic_context_error(f.ctx), "seed"));
     asdic_mission_sampling(f.mission)->seed = 1;
+    choose_level(&f, 200.0);
+    assert_int_equal(run(&f, 1, resume, "reference"), ASDIC_ERROR_EXISTS);
+    assert_non_null(strstr(asdic_context_error(f.ctx), "another choice of terms"));
+    choose_level(&f, 0.0);
     resume.count = 3;
     assert_int_equal(run(&f, 1, resume, "reference"), ASDIC_ERROR_EXISTS);
     asdic_run_options beyond = {.first = PINGS, .count = 1};

@@ -58,6 +58,9 @@ const char *asdic_run_facts_differ(const asdic_run_facts *a, const asdic_run_fac
     if (a->beams != b->beams || a->bins != b->bins) {
         return "number of beams or bins";
     }
+    if (a->plan.left_out != b->plan.left_out) {
+        return "choice of terms";
+    }
     return strcmp(a->version, b->version) != 0 ? "version of asdic" : NULL;
 }
 
