@@ -1,6 +1,7 @@
 #include "draw.h"
 
 #include "base/context.h"
+#include "base/sort.h"
 #include "base/try.h"
 
 #include <math.h>
@@ -124,11 +125,6 @@ static void residuals_finish(residuals *r) {
     }
 }
 
-static int by_size(const void *a, const void *b) {
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 static bool has_residual(const asdic_ascope *beam) {
     return beam->simulated_db && beam->total_db;
 }
@@ -150,7 +146,7 @@ static asdic_status height_of(asdic_context *ctx, const asdic_ascope *beam, doub
             sizes[n++] = fabs(residual_db(beam, i));
         }
     }
-    qsort(sizes, n, sizeof *sizes, by_size);
+    asdic_sort_doubles(sizes, n);
     double most_db = n > 0 ? sizes[(size_t)(0.95 * (double)(n - 1))] : 0.0;
     free(sizes);
     *out_db = MOST_RESIDUAL_DB;

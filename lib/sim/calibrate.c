@@ -24,6 +24,7 @@
 
 #include "aim.h"
 #include "base/context.h"
+#include "base/sort.h"
 #include "base/try.h"
 #include "drift.h"
 #include "pulse.h"
@@ -157,11 +158,6 @@ static double ratio_among(const calibration *c, error_kind kind, size_t cell) {
     return c->kind[cell] == kind ? cell_ratio(c, cell) : -1.0;
 }
 
-static int compare(const void *a, const void *b) {
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* The typical ratio of the rest of a beam whose bins begin at cell FIRST: from the median, which outliers in deep
  * nulls do not move. */
 static double typical_ratio(const asdic_simulator *sim, size_t first, const calibration *c) {
@@ -173,7 +169,7 @@ static double typical_ratio(const asdic_simulator *sim, size_t first, const cali
             ratios[count++] = ratio;
         }
     }
-    qsort(ratios, count, sizeof *ratios, compare);
+    asdic_sort_doubles(ratios, count);
     return count ? ratios[count / 2] / MEDIAN_SQUARE : 1.0;
 }
 

@@ -1,5 +1,6 @@
 #include "eigenray.h"
 
+#include "base/sort.h"
 #include "base/vec.h"
 
 #include <math.h>
@@ -149,11 +150,6 @@ static asdic_eigenray look_along(search *s, asdic_eigenray before, double begin_
     return before;
 }
 
-static int compare(const void *a, const void *b) {
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* The elevations of rays that graze a plane, level ones, and the ends. */
 static size_t find_edges(const search *s, double *edges) {
     const asdic_layers *layers = s->layers;
@@ -171,7 +167,7 @@ static size_t find_edges(const search *s, double *edges) {
             edges[count++] = -grazing;
         }
     }
-    qsort(edges, count, sizeof *edges, compare);
+    asdic_sort_doubles(edges, count);
     return count;
 }
 

@@ -18,6 +18,7 @@
 
 #include "base/context.h"
 #include "base/quadrature.h"
+#include "base/sort.h"
 #include "base/try.h"
 #include "bent_ray.h"
 
@@ -392,11 +393,6 @@ static asdic_status cut_at_bins(asdic_context *ctx, bent_job *job, const stretch
     return ASDIC_OK;
 }
 
-static int compare(const void *a, const void *b) {
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* In water of many layers a stretch takes long. */
 static asdic_status go_on(asdic_context *ctx) {
     return asdic_context_interrupted(ctx)
@@ -428,7 +424,7 @@ static asdic_status find_cuts(asdic_context *ctx, bent_job *job, const stretch *
         before_s = s;
     }
     TRY(append(ctx, cuts, 1.0));
-    qsort(cuts->s, cuts->count, sizeof *cuts->s, compare);
+    asdic_sort_doubles(cuts->s, cuts->count);
     return ASDIC_OK;
 }
 
@@ -518,7 +514,7 @@ static size_t find_edges(const bent_job *job, double *edges) {
         add_grazing(job, layer->top_m, layer, reach_m, edges, &count);
         add_grazing(job, layer->bottom_m, layer, reach_m, edges, &count);
     }
-    qsort(edges, count, sizeof *edges, compare);
+    asdic_sort_doubles(edges, count);
     return count;
 }
 
@@ -531,7 +527,7 @@ static size_t find_kinks(const bent_job *job, const asdic_ring *rings, double *k
             add_edge(kinks, &count, rad[i], KINK_GAP_RAD);
         }
     }
-    qsort(kinks, count, sizeof *kinks, compare);
+    asdic_sort_doubles(kinks, count);
     return count;
 }
 

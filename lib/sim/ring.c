@@ -1,6 +1,7 @@
 #include "ring.h"
 
 #include "base/quadrature.h"
+#include "base/sort.h"
 #include "base/widest.h"
 
 #include "../../kernels/beam.h"
@@ -69,13 +70,7 @@ static size_t find_arcs(const asdic_ring *ring, double elevation_rad, arc arcs[5
     double edge[4];
     size_t edges = crossings(&ring->transmitter, sin_e, cos_e, edge);
     edges += crossings(&ring->receiver, sin_e, cos_e, edge + edges);
-    for (size_t i = 1; i < edges; i++) {
-        for (size_t j = i; j > 0 && edge[j] < edge[j - 1]; j--) {
-            double swap = edge[j];
-            edge[j] = edge[j - 1];
-            edge[j - 1] = swap;
-        }
-    }
+    asdic_sort_doubles(edge, edges);
     size_t count = edges ? edges : 1;
     for (size_t i = 0; i < count; i++) {
         arcs[i].begin_rad = edges ? edge[i] : 0.0;
@@ -157,12 +152,6 @@ size_t asdic_ring_kinks(const asdic_ring *ring, double kinks_rad[4]) {
             kinks_rad[count++] = kink;
         }
     }
-    for (size_t i = 1; i < count; i++) {
-        for (size_t j = i; j > 0 && kinks_rad[j] < kinks_rad[j - 1]; j--) {
-            double swap = kinks_rad[j];
-            kinks_rad[j] = kinks_rad[j - 1];
-            kinks_rad[j - 1] = swap;
-        }
-    }
+    asdic_sort_doubles(kinks_rad, count);
     return count;
 }

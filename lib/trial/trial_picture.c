@@ -5,6 +5,7 @@
 #include "trial_folder.h"
 
 #include "base/context.h"
+#include "base/sort.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -40,11 +41,6 @@ static void draw_interval(double at, const asdic_trial_figure *f, double x[11], 
     }
 }
 
-static int compare(const void *a, const void *b) {
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* Share of the runs whose clearance was X or less; runs in which there was nothing to come near are of them. False: no
  * memory. */
 static bool draw_clearance(drawing *d, const asdic_trial *t, size_t variant) {
@@ -64,7 +60,7 @@ static bool draw_clearance(drawing *d, const asdic_trial *t, size_t variant) {
         }
     }
     if (good) {
-        qsort(found, count, sizeof *found, compare);
+        asdic_sort_doubles(found, count);
     }
     for (size_t i = 0; good && i < count; i++) {
         d->x[variant][2 * i] = d->x[variant][2 * i + 1] = found[i];

@@ -5,6 +5,7 @@
 #include "detect_job.h"
 
 #include "base/context.h"
+#include "base/sort.h"
 #include "base/try.h"
 #include "base/vec.h"
 
@@ -16,11 +17,6 @@
 #define RANGES 64
 /* Beams steeper than this (84 degrees) have all their plots on one spot. */
 #define LEAST_COS 0.1
-
-static int by_size(const void *a, const void *b) {
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
 
 /* From the bearing before to bearing B, of sorted ones round the circle. */
 static double gap_before(const double *bearing, size_t beams, size_t b) {
@@ -75,7 +71,7 @@ static asdic_status find_axes(const asdic_detect_job *job, const asdic_pose *pos
             out->far_m = fmax(out->far_m, far_m);
         }
     }
-    qsort(bearing, out->beams, sizeof *bearing, by_size);
+    asdic_sort_doubles(bearing, out->beams);
     out->width_rad = width / fmax((double)out->beams, 1.0);
     for (size_t b = 0; b < out->beams; b++) { /* once more round the circle */
         bearing[out->beams + b] = bearing[b] + 2.0 * ASDIC_PI;

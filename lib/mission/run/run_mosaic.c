@@ -5,6 +5,7 @@
 #include <asdic/run.h>
 
 #include "base/context.h"
+#include "base/sort.h"
 #include "base/try.h"
 #include "base/vec.h"
 #include "out/digits.h"
@@ -133,11 +134,6 @@ static asdic_status find_extent(mosaic *m) {
     return m->sum && m->count ? ASDIC_OK : asdic_fail_memory(m->ctx, "a mosaic");
 }
 
-static int by_level(const void *a, const void *b) {
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* Of a map of which nothing was seen a place is left. */
 static void find_seen(mosaic *m) {
     size_t south = m->rows - 1, north = 0, west = m->columns - 1, east = 0;
@@ -170,7 +166,7 @@ static asdic_status to_levels(mosaic *m, asdic_picture_options *look) {
             sorted[seen++] = m->sum[i];
         }
     }
-    qsort(sorted, seen, sizeof *sorted, by_level);
+    asdic_sort_doubles(sorted, seen);
     double low_db = seen ? 10.0 * floor(0.1 * sorted[seen / 20]) : 0.0;
     double high_db = seen ? 10.0 * ceil(0.1 * sorted[seen * 995 / 1000]) : 10.0;
     look->db_low = isnan(look->db_low) ? low_db : look->db_low;
