@@ -49,6 +49,10 @@ static inline asdic_mat3 asdic_mat3_attitude(double roll_rad, double pitch_rad, 
                          {-sp, cp * sr, cp * cr}}};
 }
 
+static inline asdic_mat3 asdic_mat3_of(const asdic_pose *pose) {
+    return asdic_mat3_attitude(pose->roll_rad, pose->pitch_rad, pose->yaw_rad);
+}
+
 static inline asdic_mat3 asdic_mat3_multiply(asdic_mat3 a, asdic_mat3 b) {
     asdic_mat3 c;
     for (int i = 0; i < 3; i++) {
@@ -70,6 +74,24 @@ static inline asdic_vec3 asdic_mat3_apply_inverse(asdic_mat3 a, asdic_vec3 v) {
     return (asdic_vec3){a.m[0][0] * v.x + a.m[1][0] * v.y + a.m[2][0] * v.z,
                         a.m[0][1] * v.x + a.m[1][1] * v.y + a.m[2][1] * v.z,
                         a.m[0][2] * v.x + a.m[1][2] * v.y + a.m[2][2] * v.z};
+}
+
+/* Of a rigid body, from one pose to another. */
+typedef struct asdic_move {
+    asdic_mat3 before, after;
+    asdic_vec3 from_m, to_m;
+} asdic_move;
+
+static inline asdic_move asdic_move_between(const asdic_pose *from, const asdic_pose *to) {
+    return (asdic_move){asdic_mat3_of(from), asdic_mat3_of(to), from->position_m, to->position_m};
+}
+
+static inline asdic_vec3 asdic_move_turn(const asdic_move *move, asdic_vec3 v) {
+    return asdic_mat3_apply(move->after, asdic_mat3_apply_inverse(move->before, v));
+}
+
+static inline asdic_vec3 asdic_move_point(const asdic_move *move, asdic_vec3 at_m) {
+    return asdic_vec3_add(asdic_move_turn(move, asdic_vec3_sub(at_m, move->from_m)), move->to_m);
 }
 
 #endif

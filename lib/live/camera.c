@@ -109,7 +109,7 @@ static void place_eye(const asdic_camera *c, const asdic_shot *shot, asdic_vec3 
 
 static void place_vehicle(const asdic_shot *shot, asdic_vec3 origin_m, dev_camera *d) {
     const asdic_pose *pose = shot->vehicle;
-    asdic_mat3 turn = asdic_mat3_attitude(pose->roll_rad, pose->pitch_rad, pose->yaw_rad);
+    asdic_mat3 turn = asdic_mat3_of(pose);
     put(d->sonar, asdic_vec3_sub(pose->position_m, origin_m));
     for (int row = 0; row < 3; row++) { /* world to body is the transpose */
         for (int column = 0; column < 3; column++) {

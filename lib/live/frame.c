@@ -108,9 +108,8 @@ static void follow_map(asdic_view *view) {
 
 static dev_cone_view cone_of(const asdic_view *view, const asdic_beam *beam, double half_h_rad,
                              double half_v_rad) {
-    asdic_pose pose = asdic_view_sonar_pose(view), *p = &pose;
-    asdic_mat3 body = asdic_mat3_attitude(p->roll_rad, p->pitch_rad, p->yaw_rad);
-    asdic_mat3 turn = asdic_mat3_multiply(body, asdic_face_mount(beam));
+    asdic_pose pose = asdic_view_sonar_pose(view);
+    asdic_mat3 turn = asdic_mat3_multiply(asdic_mat3_of(&pose), asdic_face_mount(beam));
     const double over[3] = {1.0, 1.0 / tan(fmin(half_h_rad, WIDEST_RAD)),
                             1.0 / tan(fmin(half_v_rad, WIDEST_RAD))};
     dev_cone_view cone = {.strength = 1.0f};

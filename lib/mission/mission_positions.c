@@ -178,11 +178,9 @@ static asdic_vec3 moved(const asdic_mission *m, const asdic_mission_object *obje
         return position_m;
     }
     asdic_pose now = asdic_mission_object_pose(m, (size_t)(object - m->objects), index);
-    const asdic_pose *from = back ? &object->pose : &now, *to = back ? &now : &object->pose;
-    asdic_mat3 turn = asdic_mat3_attitude(from->roll_rad, from->pitch_rad, from->yaw_rad);
-    asdic_mat3 turn_to = asdic_mat3_attitude(to->roll_rad, to->pitch_rad, to->yaw_rad);
-    asdic_vec3 own_m = asdic_mat3_apply_inverse(turn, asdic_vec3_sub(position_m, from->position_m));
-    return asdic_vec3_add(to->position_m, asdic_mat3_apply(turn_to, own_m));
+    asdic_move move =
+        back ? asdic_move_between(&object->pose, &now) : asdic_move_between(&now, &object->pose);
+    return asdic_move_point(&move, position_m);
 }
 
 static asdic_vec3 sonar_at(const asdic_mission *m, const asdic_mission_object *object,

@@ -125,7 +125,7 @@ static asdic_status read_rows(mission_builder *b, const asdic_material_file *fil
 /* The box round the triangles of MESH at OBJECT's pose: files hold vertices that none has. */
 static void find_box(const asdic_mesh *mesh, asdic_mission_object *object) {
     const asdic_pose *pose = &object->pose;
-    asdic_mat3 turn = asdic_mat3_attitude(pose->roll_rad, pose->pitch_rad, pose->yaw_rad);
+    asdic_mat3 turn = asdic_mat3_of(pose);
     object->min_m = (asdic_vec3){INFINITY, INFINITY, INFINITY};
     object->max_m = (asdic_vec3){-INFINITY, -INFINITY, -INFINITY};
     for (size_t i = 0; i < 3 * mesh->triangle_count; i++) {
@@ -330,17 +330,13 @@ static void take_scene(mission_builder *b) {
 
 /* The box round an object of the base, which is moved to POSE: as large in all directions, when it is turned. */
 static void move_box(asdic_mission_object *object, const asdic_pose *pose) {
-    asdic_pose was = object->pose;
+    asdic_move move = asdic_move_between(&object->pose, pose);
     asdic_vec3 half = asdic_vec3_scale(asdic_vec3_sub(object->max_m, object->min_m), 0.5);
-    asdic_vec3 center = asdic_vec3_add(object->min_m, half);
-    asdic_mat3 before = asdic_mat3_attitude(was.roll_rad, was.pitch_rad, was.yaw_rad);
-    asdic_mat3 after = asdic_mat3_attitude(pose->roll_rad, pose->pitch_rad, pose->yaw_rad);
-    asdic_vec3 at = asdic_mat3_apply_inverse(before, asdic_vec3_sub(center, was.position_m));
-    if (memcmp(&before, &after, sizeof before) != 0) {
+    asdic_vec3 at = asdic_move_point(&move, asdic_vec3_add(object->min_m, half));
+    if (memcmp(&move.before, &move.after, sizeof move.before) != 0) {
         double most = asdic_vec3_length(half);
         half = (asdic_vec3){most, most, most};
     }
-    at = asdic_vec3_add(pose->position_m, asdic_mat3_apply(after, at));
     object->min_m = asdic_vec3_sub(at, half);
     object->max_m = asdic_vec3_add(at, half);
     object->pose = *pose;

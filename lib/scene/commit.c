@@ -28,8 +28,7 @@ static box join(box a, box b) {
 
 /* Brings M's CORNERS to its anchor, and PART's radius with them; the box round them. */
 static box anchor(const asdic_movable *m, double *corners_m, asdic_part *part) {
-    asdic_mat3 turn =
-        asdic_mat3_attitude(m->anchor.roll_rad, m->anchor.pitch_rad, m->anchor.yaw_rad);
+    asdic_mat3 turn = asdic_mat3_of(&m->anchor);
     asdic_part there;
     box out;
     for (size_t i = 0; i < m->count; i++) {

@@ -94,7 +94,7 @@ static uint32_t turn_normal(asdic_mat3 turn, const double *n) {
 
 void asdic_movable_place(const asdic_movable *m, const asdic_pose *pose, asdic_vec3 origin_m,
                          double *world_m, dev_triangle *triangles) {
-    asdic_mat3 turn = asdic_mat3_attitude(pose->roll_rad, pose->pitch_rad, pose->yaw_rad);
+    asdic_mat3 turn = asdic_mat3_of(pose);
     for (size_t i = 0; i < m->count; i++) {
         dev_triangle *t = &triangles[i];
         asdic_place_corners(&m->corners_m[9 * i], turn, pose->position_m, &world_m[9 * i]);

@@ -176,7 +176,7 @@ asdic_status asdic_scene_reserve(asdic_scene *scene, size_t more) {
 }
 
 static void place_triangles(asdic_scene *scene, const asdic_mesh *mesh, const asdic_pose *pose) {
-    asdic_mat3 turn = asdic_mat3_attitude(pose->roll_rad, pose->pitch_rad, pose->yaw_rad);
+    asdic_mat3 turn = asdic_mat3_of(pose);
     for (size_t i = 0; i < mesh->triangle_count; i++) {
         size_t at = scene->triangle_count++;
         scene->corner_parts[at] = (uint32_t)scene->part_count;

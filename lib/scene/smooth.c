@@ -169,8 +169,7 @@ static asdic_status reserve_normals(asdic_scene *scene, size_t part, asdic_movab
 
 /* Turns normals from the world to the mesh's frame. */
 static void turn_back(const asdic_movable *m, const asdic_vec3 *world) {
-    asdic_mat3 turn =
-        asdic_mat3_attitude(m->anchor.roll_rad, m->anchor.pitch_rad, m->anchor.yaw_rad);
+    asdic_mat3 turn = asdic_mat3_of(&m->anchor);
     for (size_t i = 0; i < 3 * m->count; i++) {
         asdic_vec3 n = asdic_mat3_apply_inverse(turn, world[i]);
         m->normals[3 * i] = n.x;

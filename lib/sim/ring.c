@@ -21,7 +21,7 @@ double asdic_beam_axis_lin(const asdic_beam *beam) {
 }
 
 asdic_face asdic_face_aim(const asdic_beam *beam, const asdic_pose *pose, double wavelength_m) {
-    asdic_mat3 vehicle = asdic_mat3_attitude(pose->roll_rad, pose->pitch_rad, pose->yaw_rad);
+    asdic_mat3 vehicle = asdic_mat3_of(pose);
     asdic_mat3 face_to_world = asdic_mat3_multiply(vehicle, asdic_face_mount(beam));
     asdic_face face = {.length_h_wl = beam->length_h_m / wavelength_m,
                        .length_v_wl = beam->length_v_m / wavelength_m,

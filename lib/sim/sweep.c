@@ -53,8 +53,7 @@ static asdic_pose turn(const asdic_pose *pose, double angle_rad) {
         return out;
     }
     asdic_mat3 m =
-        asdic_mat3_multiply(asdic_mat3_attitude(pose->roll_rad, pose->pitch_rad, pose->yaw_rad),
-                            asdic_mat3_attitude(0.0, 0.0, angle_rad));
+        asdic_mat3_multiply(asdic_mat3_of(pose), asdic_mat3_attitude(0.0, 0.0, angle_rad));
     out.yaw_rad = near(atan2(m.m[1][0], m.m[0][0]), out.yaw_rad);
     out.pitch_rad = -asin(fmax(fmin(m.m[2][0], 1.0), -1.0));
     out.roll_rad = atan2(m.m[2][1], m.m[2][2]);

@@ -75,11 +75,9 @@ bool asdic_hazards_move(const asdic_hazards *hazards) {
 
 /* Where AT_M is to M at TIME_S, as if M stood where it stands. */
 static asdic_vec3 seen_from(const mover *m, asdic_vec3 at_m, double time_s) {
-    const asdic_pose is = asdic_track_pose(m->track, time_s), *was = &m->stands;
-    asdic_mat3 turned = asdic_mat3_attitude(is.roll_rad, is.pitch_rad, is.yaw_rad);
-    asdic_mat3 stood = asdic_mat3_attitude(was->roll_rad, was->pitch_rad, was->yaw_rad);
-    asdic_vec3 own_m = asdic_mat3_apply_inverse(turned, asdic_vec3_sub(at_m, is.position_m));
-    return asdic_vec3_add(asdic_mat3_apply(stood, own_m), was->position_m);
+    const asdic_pose now = asdic_track_pose(m->track, time_s);
+    const asdic_move back = asdic_move_between(&now, &m->stands);
+    return asdic_move_point(&back, at_m);
 }
 
 asdic_nearest asdic_hazards_nearest(asdic_hazards *hazards, asdic_vec3 from_m, asdic_vec3 to_m,

@@ -142,28 +142,6 @@ static asdic_status cut_object(const asdic_namer *namer, named *n, span at) {
     return ASDIC_OK;
 }
 
-/* How an object has moved from the mission's beginning to a ping. */
-typedef struct motion {
-    asdic_mat3 before, after;
-    asdic_vec3 from_m, to_m;
-} motion;
-
-static motion motion_of(const asdic_namer *namer, const named *n, size_t ping) {
-    asdic_pose was = asdic_mission_get_object(namer->mission, n->object)->pose;
-    asdic_pose is = asdic_mission_object_pose(namer->mission, n->object, ping);
-    return (motion){asdic_mat3_attitude(was.roll_rad, was.pitch_rad, was.yaw_rad),
-                    asdic_mat3_attitude(is.roll_rad, is.pitch_rad, is.yaw_rad), was.position_m,
-                    is.position_m};
-}
-
-static asdic_vec3 turned(const motion *m, asdic_vec3 v) {
-    return asdic_mat3_apply(m->after, asdic_mat3_apply_inverse(m->before, v));
-}
-
-static asdic_vec3 moved(const motion *m, asdic_vec3 at_m) {
-    return asdic_vec3_add(turned(m, asdic_vec3_sub(at_m, m->from_m)), m->to_m);
-}
-
 /* By how much farther than it is an object is heard: its middle, since a ray to each piece takes long. */
 static double stretch(const asdic_namer *namer, asdic_vec3 middle_m) {
     asdic_vec3 to = asdic_vec3_sub(middle_m, namer->pose.position_m);
@@ -174,15 +152,17 @@ static double stretch(const asdic_namer *namer, asdic_vec3 middle_m) {
 /* Adds the object's pieces to the bins in which they are heard at PING. */
 static void place(const asdic_namer *namer, named *n, size_t ping) {
     const asdic_run_facts *facts = &namer->run->facts;
-    bool moves = asdic_mission_get_object(namer->mission, n->object)->moves;
-    motion m = motion_of(namer, n, ping);
-    double times = stretch(namer, moves ? moved(&m, n->middle_m) : n->middle_m);
+    const asdic_mission_object *object = asdic_mission_get_object(namer->mission, n->object);
+    asdic_pose now = asdic_mission_object_pose(namer->mission, n->object, ping);
+    asdic_move move = asdic_move_between(&object->pose, &now);
+    double times =
+        stretch(namer, object->moves ? asdic_move_point(&move, n->middle_m) : n->middle_m);
     memset(n->shares, 0, facts->bins * sizeof *n->shares);
     for (size_t i = 0; i < n->piece_count; i++) {
         piece p = n->pieces[i];
-        if (moves) {
-            p.at_m = moved(&m, p.at_m);
-            p.area_m2 = turned(&m, p.area_m2);
+        if (object->moves) {
+            p.at_m = asdic_move_point(&move, p.at_m);
+            p.area_m2 = asdic_move_turn(&move, p.area_m2);
         }
         asdic_vec3 to = asdic_vec3_sub(p.at_m, namer->pose.position_m);
         double range = fmax(asdic_vec3_length(to), 1e-6);

@@ -312,19 +312,14 @@ static extent extent_of(const scene_job *job, asdic_vec3 low, asdic_vec3 high) {
 /* The box round object O, from the sonar: round its first box, moved and turned as it is at the ping. */
 static void box_of_object(const scene_job *job, const asdic_mission_object *o, asdic_vec3 *low,
                           asdic_vec3 *high) {
-    asdic_pose was = o->pose;
-    asdic_pose is = asdic_mission_object_pose(job->mission, job->object, job->options->ping);
-    asdic_mat3 before = asdic_mat3_attitude(was.roll_rad, was.pitch_rad, was.yaw_rad);
-    asdic_mat3 after = asdic_mat3_attitude(is.roll_rad, is.pitch_rad, is.yaw_rad);
+    asdic_pose now = asdic_mission_object_pose(job->mission, job->object, job->options->ping);
+    asdic_move move = asdic_move_between(&o->pose, &now);
     *low = (asdic_vec3){INFINITY, INFINITY, INFINITY};
     *high = (asdic_vec3){-INFINITY, -INFINITY, -INFINITY};
     for (int corner = 0; corner < 8; corner++) {
         asdic_vec3 v = {corner & 1 ? o->max_m.x : o->min_m.x, corner & 2 ? o->max_m.y : o->min_m.y,
                         corner & 4 ? o->max_m.z : o->min_m.z};
-        if (o->moves) {
-            v = asdic_mat3_apply_inverse(before, asdic_vec3_sub(v, was.position_m));
-            v = asdic_vec3_add(is.position_m, asdic_mat3_apply(after, v));
-        }
+        v = o->moves ? asdic_move_point(&move, v) : v;
         v = asdic_vec3_sub(v, job->pose.position_m);
         *low = (asdic_vec3){fmin(low->x, v.x), fmin(low->y, v.y), fmin(low->z, v.z)};
         *high = (asdic_vec3){fmax(high->x, v.x), fmax(high->y, v.y), fmax(high->z, v.z)};

@@ -35,7 +35,7 @@ typedef struct cut {
 /* AZIMUTH and DOWN from the axis of BEAM. */
 static asdic_vec3 direction(const asdic_pose *pose, const asdic_beam *beam, double azimuth_rad,
                             double down_rad) {
-    asdic_mat3 vehicle = asdic_mat3_attitude(pose->roll_rad, pose->pitch_rad, pose->yaw_rad);
+    asdic_mat3 vehicle = asdic_mat3_of(pose);
     asdic_mat3 aim = asdic_face_mount(beam);
     asdic_vec3 v = {cos(down_rad) * cos(azimuth_rad), cos(down_rad) * sin(azimuth_rad),
                     sin(down_rad)};

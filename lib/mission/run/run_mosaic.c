@@ -90,8 +90,7 @@ static void add_cell(mosaic *m, const asdic_record *record, asdic_mat3 axes, siz
 static void add_record(mosaic *m, const asdic_record *record) {
     const asdic_pose *pose = &record->pose;
     double x = pose->position_m.x, y = pose->position_m.y;
-    asdic_mat3 axes = asdic_mat3_multiply(
-        asdic_mat3_attitude(pose->roll_rad, pose->pitch_rad, pose->yaw_rad), m->fan);
+    asdic_mat3 axes = asdic_mat3_multiply(asdic_mat3_of(pose), m->fan);
     double first_row = floor((x - m->range_m - m->south_m) / m->cell_m);
     double first_column = floor((y - m->range_m - m->west_m) / m->cell_m);
     size_t wide = (size_t)ceil(2.0 * m->range_m / m->cell_m) + 1;
