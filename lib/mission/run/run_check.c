@@ -121,38 +121,18 @@ static asdic_status tell(asdic_context *ctx, asdic_status status, lost_files *lo
     return status;
 }
 
-asdic_status asdic_run_check_small(asdic_context *ctx, const char *folder,
-                                   const asdic_run_facts *facts) {
+asdic_status asdic_run_check(asdic_context *ctx, const char *folder, const asdic_run_facts *facts,
+                             asdic_run_checked what) {
     lost_files lost = {0};
     asdic_status status = ASDIC_OK;
     for (size_t i = 0; i < facts->file_count && !status; i++) {
-        if (is_small(facts->files[i].name)) {
+        const char *name = facts->files[i].name;
+        if (what == ASDIC_RUN_ALL || (what == ASDIC_RUN_SMALL && is_small(name)) ||
+            (what == ASDIC_RUN_ELEMENTS && strcmp(name, ASDIC_ELEMENTS_NAME) == 0)) {
             status = check_file(ctx, folder, &facts->files[i], &lost);
         }
     }
-    return tell(ctx, status, &lost);
-}
-
-asdic_status asdic_run_check_one(asdic_context *ctx, const char *folder,
-                                 const asdic_run_facts *facts, const char *name) {
-    lost_files lost = {0};
-    asdic_status status = ASDIC_OK;
-    for (size_t i = 0; i < facts->file_count && !status; i++) {
-        if (strcmp(facts->files[i].name, name) == 0) {
-            status = check_file(ctx, folder, &facts->files[i], &lost);
-        }
-    }
-    return tell(ctx, status, &lost);
-}
-
-asdic_status asdic_run_check_all(asdic_context *ctx, const char *folder,
-                                 const asdic_run_facts *facts) {
-    lost_files lost = {0};
-    asdic_status status = ASDIC_OK;
-    for (size_t i = 0; i < facts->file_count && !status; i++) {
-        status = check_file(ctx, folder, &facts->files[i], &lost);
-    }
-    for (size_t i = 0; i < facts->picture_count && !status; i++) {
+    for (size_t i = 0; what == ASDIC_RUN_ALL && i < facts->picture_count && !status; i++) {
         status = check_picture(ctx, folder, facts->pictures[i], &lost);
     }
     return tell(ctx, status, &lost);

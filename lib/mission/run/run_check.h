@@ -11,17 +11,15 @@
 asdic_status asdic_run_check_note(asdic_context *ctx, const char *folder, asdic_arena *arena,
                                   asdic_run_facts *facts);
 
-/* Checks the small files that are read back: ASDIC_ERROR_INPUT with the names of those that are missing or
+typedef enum asdic_run_checked {
+    ASDIC_RUN_SMALL,    /* the small files that are read back */
+    ASDIC_RUN_ELEMENTS, /* elements.npy */
+    ASDIC_RUN_ALL       /* every file, and the pictures */
+} asdic_run_checked;
+
+/* Checks those of WHAT that FACTS have: ASDIC_ERROR_INPUT with the names of those that are missing or
  * others. */
-asdic_status asdic_run_check_small(asdic_context *ctx, const char *folder,
-                                   const asdic_run_facts *facts);
-
-/* Checks the file NAME, if FACTS have it. */
-asdic_status asdic_run_check_one(asdic_context *ctx, const char *folder,
-                                 const asdic_run_facts *facts, const char *name);
-
-/* Checks the other files and the pictures as well. */
-asdic_status asdic_run_check_all(asdic_context *ctx, const char *folder,
-                                 const asdic_run_facts *facts);
+asdic_status asdic_run_check(asdic_context *ctx, const char *folder, const asdic_run_facts *facts,
+                             asdic_run_checked what);
 
 #endif

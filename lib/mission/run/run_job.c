@@ -236,7 +236,7 @@ static asdic_status check_elements(asdic_run_job *job, const asdic_run_facts *ea
                                    bool *are_whole) {
     asdic_elements_shape shape = elements_of(job);
     asdic_status status =
-        asdic_run_check_one(job->ctx, job->options->folder, earlier, ASDIC_ELEMENTS_NAME);
+        asdic_run_check(job->ctx, job->options->folder, earlier, ASDIC_RUN_ELEMENTS);
     if (status == ASDIC_ERROR_INPUT) {
         *are_whole = false;
         unlinkat(dirfd(job->lock), ASDIC_ELEMENTS_NAME, 0);
@@ -276,7 +276,7 @@ static asdic_status check_complete(asdic_run_job *job, const asdic_run_facts *ea
                             job->options->folder);
     }
     if (status == ASDIC_OK && bad == ASDIC_OK) {
-        status = asdic_run_check_all(job->ctx, job->options->folder, earlier);
+        status = asdic_run_check(job->ctx, job->options->folder, earlier, ASDIC_RUN_ALL);
     }
     if (status == ASDIC_ERROR_MEMORY) {
         return status;

@@ -24,7 +24,7 @@ static asdic_status open_run(asdic_run *run) {
                           "'%s/run.json' is damaged: %zu beams, but its scene has %zu", run->folder,
                           facts->beams, run->settings.sonar.receiver_count);
     }
-    TRY(asdic_run_check_small(run->ctx, run->folder, facts));
+    TRY(asdic_run_check(run->ctx, run->folder, facts, ASDIC_RUN_SMALL));
     const asdic_store_shape shape = {
         .first_ping = facts->first_ping,
         .layout =
