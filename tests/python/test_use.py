@@ -412,6 +412,23 @@ def test_memory_used_again():
     tap.equal(list(other.beams["name"]), [b"forward", b"down"], "another sonar's memory, this one's beams")
 
 
+def test_levels_of_memory_used_again_are_of_the_new_ping():
+    """Ten times the logarithm of its energies, by `parts` asked for anew and by one that was kept, of all that they
+    made of the ping before."""
+    need_device()
+    sonar = asdic.Simulator(pool())
+    ping = sonar.ping(0, 0, 5)
+    kept = ping.parts
+    before = {name: kept[name].copy() for name in kept}
+    sonar.ping(0, 0, 9, yaw=30, out=ping)
+    for name in before:
+        energy = ping.intensity[name]
+        wanted = 10 * np.log10(energy, out=np.full(energy.shape, np.nan), where=energy > 0)
+        for levels in ping.parts, kept:
+            tap.equal(np.allclose(levels[name], wanted, rtol=0, atol=1e-3, equal_nan=True), True, name)
+    tap.equal(np.allclose(before["bottom"], ping.parts["bottom"], rtol=0, atol=1, equal_nan=True), False, "another place")
+
+
 def test_detections():
     need_device()
     run = asdic.simulate(pool())

@@ -300,7 +300,8 @@ class Simulator:
              out: Ping | None = None) -> Ping:
         """The next ping, of a vehicle at X north, Y east, Z down (m), turned by ROLL, PITCH, YAW (degrees).
 
-        OUT is an earlier ping whose memory may be used again: its arrays change with it.
+        OUT is an earlier ping whose memory may be used again: its energies, errors, truth and pressure change with it,
+        and its levels are made anew when they are asked for.
         """
         at: tuple[float, ...] = (x, y, z, roll, pitch, yaw)
         for value in at:
@@ -387,8 +388,9 @@ class Simulator:
                        f"and {self.bins} bins, {'with' if self._truth else 'without'} truth, "
                        f"{f'with {samples[1]} samples of pressure' if samples else 'without pressure'}")
         out.beams = self.beams
-        for name in ("_level_db", "parts", "_pose"):  # what was made of the old ping
+        for name in ("_level_db", "_pose"):  # what was made of the old ping
             out.__dict__.pop(name, None)
+        out._made.clear()  # which `parts` that somebody kept share
         return out
 
     def fly(self) -> Iterator[Ping]:
