@@ -99,7 +99,7 @@ static void fan_or_waterfall(asdic_view *v) {
     if (v->has_fan) {
         v->shows_fan = !v->shows_fan;
     } else {
-        asdic_view_say(v, "no fan: that takes three beams or more at ascending bearings");
+        asdic_view_say(v, "no fan: that takes three beams or more in the order of their bearings");
     }
 }
 static void colours(asdic_view *v) {

@@ -144,16 +144,18 @@ asdic_status asdic_picture_fan(asdic_context *ctx, const char *path, const asdic
                           "nothing to draw: %zu beams of %zu bins of %g m", fan->beams, fan->bins,
                           fan->bin_length_m);
     }
+    const double *at_rad = fan->bearing_rad;
+    bool descends = fan->beams > 1 && at_rad[1] < at_rad[0];
     for (size_t i = 0; i < fan->beams; i++) {
-        if (!(fabs(fan->bearing_rad[i]) <= MOST_BEARING_RAD)) {
+        if (!(fabs(at_rad[i]) <= MOST_BEARING_RAD)) {
             return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "beam %zu lies at %g rad, beyond %g", i,
-                              fan->bearing_rad[i], MOST_BEARING_RAD);
+                              at_rad[i], MOST_BEARING_RAD);
         }
-        if (i > 0 && !(fan->bearing_rad[i] > fan->bearing_rad[i - 1])) {
+        if (i > 0 && !(descends ? at_rad[i] < at_rad[i - 1] : at_rad[i] > at_rad[i - 1])) {
             return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
-                              "a fan needs ascending bearings, but beam %zu lies at %g and beam "
-                              "%zu at %g rad",
-                              i - 1, fan->bearing_rad[i - 1], i, fan->bearing_rad[i]);
+                              "a fan needs bearings that ascend or that descend, but beam %zu lies "
+                              "at %g and beam %zu at %g rad",
+                              i - 1, at_rad[i - 1], i, at_rad[i]);
         }
     }
     TRY(asdic_picture_check(ctx, options));

@@ -36,11 +36,15 @@ uint32_t asdic_raster_color(const asdic_picture_options *options, double level_d
 asdic_status asdic_raster_levels(asdic_context *ctx, const asdic_waterfall *image,
                                  const asdic_picture_options *options, asdic_raster *out);
 
-/* How many beams, from the first on, lie in a fan by bearing: aimed at ascending bearings, none straight up or down. */
+/* How many beams, from the first on, lie in a fan by bearing: their bearings ascend, or all descend, and none looks
+ * straight up or down. */
 size_t asdic_beams_in_fan(const asdic_sonar *sonar);
 
 /* Whether the beams make a fan: three or more, and all lie in it. */
 bool asdic_beams_make_fan(const asdic_sonar *sonar);
+
+/* The index of the beam of a fan that is number I, from 0, from port. */
+size_t asdic_beam_from_port(const asdic_beam *beams, size_t count, size_t i);
 
 /* Where a polar sector lies in its bounding box of pixels: ahead up, starboard right. */
 typedef struct asdic_sector {
@@ -52,7 +56,7 @@ typedef struct asdic_sector {
 
 asdic_sector asdic_sector_of(const asdic_fan *fan, double radius_px);
 
-/* The beams' half-way bearings and the ends of the fan, EDGES[beams + 1]. */
+/* The beams' half-way bearings and the ends of the fan, EDGES[beams + 1], in the order of the beams. */
 void asdic_fan_edges(const asdic_fan *fan, double *edges);
 
 /* The beam whose EDGES enclose BEARING, or that and whole turns; BEAMS where none does. */

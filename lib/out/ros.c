@@ -362,8 +362,8 @@ asdic_status asdic_ros_encode(asdic_ros *ros, asdic_ros_output output, const asd
     }
     if (!asdic_ros_has(ros, output)) {
         return asdic_fail(ros->ctx, ASDIC_ERROR_ARGUMENT,
-                          "no output %d of this sonar; a picture needs three beams or more at "
-                          "ascending bearings, or a scan",
+                          "no output %d of this sonar; a picture needs three beams or more in the "
+                          "order of their bearings, or a scan",
                           (int)output);
     }
     TRY(outputs[output].put(ros, ping));

@@ -13,15 +13,27 @@
 /* Steeper than 80 degrees a beam has hardly a bearing. */
 #define STEEP_RAD (80.0 / 180.0 * ASDIC_PI)
 
+/* Whether beams are listed from starboard to port, if they are in order. */
+static bool descends(const asdic_beam *beams, size_t count) {
+    return count > 1 && beams[1].yaw_rad < beams[0].yaw_rad;
+}
+
 size_t asdic_beams_in_fan(const asdic_sonar *sonar) {
+    bool is_down = descends(sonar->receivers, sonar->receiver_count);
     size_t i = 0;
     for (; i < sonar->receiver_count; i++) {
         const asdic_beam *beam = &sonar->receivers[i];
-        if (fabs(beam->pitch_rad) > STEEP_RAD || (i > 0 && !(beam->yaw_rad > beam[-1].yaw_rad))) {
+        if (fabs(beam->pitch_rad) > STEEP_RAD ||
+            (i > 0 &&
+             !(is_down ? beam->yaw_rad < beam[-1].yaw_rad : beam->yaw_rad > beam[-1].yaw_rad))) {
             break;
         }
     }
     return i;
+}
+
+size_t asdic_beam_from_port(const asdic_beam *beams, size_t count, size_t i) {
+    return descends(beams, count) ? count - 1 - i : i;
 }
 
 bool asdic_beams_make_fan(const asdic_sonar *sonar) {
@@ -59,7 +71,8 @@ static void widen(double box[4], double bearing) {
 }
 
 asdic_sector asdic_sector_of(const asdic_fan *fan, double radius_px) {
-    double low = edge_of(fan, 0), high = edge_of(fan, fan->beams);
+    double first = edge_of(fan, 0), last = edge_of(fan, fan->beams);
+    double low = fmin(first, last), high = fmax(first, last);
     double middle = 0.5 * (low + high), half = fmin(0.5 * (high - low), ASDIC_PI);
     asdic_sector s = {.radius_px = radius_px, .low_rad = low, .high_rad = high};
     if (half == ASDIC_PI) { /* once round */
@@ -84,25 +97,26 @@ asdic_sector asdic_sector_of(const asdic_fan *fan, double radius_px) {
 }
 
 size_t asdic_fan_beam(const double *edges, size_t beams, double bearing) {
-    while (bearing < edges[0]) {
+    size_t port = edges[0] < edges[beams] ? 0 : beams, starboard = beams - port;
+    while (bearing < edges[port]) {
         bearing += 2.0 * ASDIC_PI;
     }
-    while (bearing > edges[beams]) {
+    while (bearing > edges[starboard]) {
         bearing -= 2.0 * ASDIC_PI;
     }
-    if (bearing < edges[0]) {
+    if (bearing < edges[port]) {
         return beams;
     }
-    size_t low = 0, high = beams; /* edges[low] <= bearing <= edges[high] */
-    while (high - low > 1) {
-        size_t middle = low + (high - low) / 2;
+    while (port + 1 != starboard &&
+           starboard + 1 != port) { /* the bearing is between these edges */
+        size_t middle = (port + starboard) / 2;
         if (edges[middle] <= bearing) {
-            low = middle;
+            port = middle;
         } else {
-            high = middle;
+            starboard = middle;
         }
     }
-    return low;
+    return port < starboard ? port : starboard;
 }
 
 /* The cell at pixel (X, Y) of a sector whose beams end at EDGES; UINT32_MAX outside. */

@@ -270,6 +270,33 @@ for form in ("polar", "bearing"):
 """, folder / ".", "PIL")
 
 
+def test_a_fan_may_be_listed_from_starboard():
+    """Its pictures and masks have port on the left all the same, and its levels keep the order of the scene."""
+    program.need_device()
+    with Folder() as folder:
+        beams = ", ".join(f"{{yaw_deg: {29.375 - 1.25 * k}, length_h_m: 0.1, length_v_m: 0.01}}" for k in range(48))
+        path = scene(folder, a=("{fan: {count: 48, sector_deg: 60, length_h_m: 0.1, length_v_m: 0.01}}", f"[{beams}]"),
+                     b=("objects[0].position_m[1]', uniform: [-2, 2]", "objects[0].position_m[1]', uniform: [1, 2]"),
+                     c=("objects[1].position_m[1]', uniform: [-2, 2]", "objects[1].position_m[1]', uniform: [-2, -1]"))
+        asdic("dataset", path, "-n", "2", "-o", folder / "d").check(code=0)
+        numpy("""
+import numpy as np
+from PIL import Image
+for frame in ("000000", "000001"):
+    for form in ("polar", "bearing"):
+        mask, grey = (np.array(Image.open(f"d/{form}/{sub}/{frame}.png")).astype(int) for sub in ("masks", "images16"))
+        ball, post = (np.argmax((grey * (mask == k)).max(axis=0)) for k in (1, 2))  # the column of its loudest bin
+        assert post < 0.48 * mask.shape[1] and ball > 0.52 * mask.shape[1], (form, post, ball, mask.shape)
+    from_port = np.load(f"d/levels/{frame}.npy")[::-1]
+    grey = np.array(Image.open(f"d/bearing/images16/{frame}.png")).T[:, ::-1].astype(int)
+    assert from_port.shape == grey.shape == (48, 140) and ((grey == 0) == np.isnan(from_port)).all()
+    for column in range(140):  # the gain hangs on the range alone: a louder beam is brighter
+        heard = grey[:, column] > 0
+        assert (np.diff(grey[heard, column][np.argsort(from_port[heard, column])]) >= 0).all(), column
+    assert len(np.unique(grey)) > 1000
+""", folder / ".", "PIL")
+
+
 def test_pictures_are_levels_in_their_window():
     """Greys from the levels by what docs/dataset.md says of gain, window and places; the window from frame 0."""
     program.need_device()
@@ -471,10 +498,11 @@ def test_what_cannot_be_is_said_once():
         says(asdic("dataset", nameless, "-n", "2", "-o", folder / "f"), 3, "name")
         fan = "receivers: {fan: {count: 48, sector_deg: 60, length_h_m: 0.1, length_v_m: 0.01}}"
         beam = "{length_h_m: 0.1, length_v_m: 0.01, yaw_deg: %d, pitch_deg: %d}"
-        for aims, wrong in (((-10, 0), (10, 0), (5, 0)), 2), (((-10, 90), (0, 90), (10, 90)), 0):
+        for aims, wrong in ((((-10, 0), (10, 0), (5, 0)), 2), (((10, 0), (-10, 0), (-5, 0)), 2),
+                            (((-10, 90), (0, 90), (10, 90)), 0)):
             beams = scene(folder, a=(fan, "receivers: [" + ", ".join(beam % aim for aim in aims) + "]"))
             says(asdic("dataset", beams, "-n", "2", "-o", folder / "f"), 3,
-                 f"receiver {wrong} does not look farther to starboard")
+                 f"receiver {wrong} is not in the order of bearings")
         lost = scene(folder, a=("[0, 0, 6]", "[0, 0, 11]"))
         says(asdic("dataset", lost, "-n", "2", "-o", folder / "g"), 3, "drawn for run 0")
 

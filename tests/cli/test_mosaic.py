@@ -12,10 +12,10 @@ from program import Folder, asdic
 from run_folder import data, facts, png_texts
 
 
-def mosaic_of(folder, fan, pings):
-    """The run of so many pings with that FAN, and m.png beside it in cells of half a metre."""
+def mosaic_of(folder, receivers, pings):
+    """The run of so many pings with those RECEIVERS, and m.png beside it in cells of half a metre."""
     run = run_of(folder, pings=pings, edits={
-        "  receivers:\n    - {name: forward}\n    - {name: down, pitch_deg: 45}": "  receivers: {fan: {" + fan + "}}"})
+        "  receivers:\n    - {name: forward}\n    - {name: down, pitch_deg: 45}": f"  receivers: {receivers}"})
     asdic("render", run, "--mosaic", folder / "m.png", "--cell", "0.5").check(code=0, out="")
     return run
 
@@ -23,7 +23,7 @@ def mosaic_of(folder, fan, pings):
 def test_a_mosaic_lies_where_it_says():
     """A ball 20 m north of a vehicle that looks north: the brightest place of its floor."""
     with Folder() as folder:
-        run = mosaic_of(folder, "count: 64, sector_deg: 90, length_h_m: 0.5, length_v_m: 0.05", pings=2)
+        run = mosaic_of(folder, "{fan: {count: 64, sector_deg: 90, length_h_m: 0.5, length_v_m: 0.05}}", pings=2)
         world = [float(line) for line in data(folder, "", "m.pgw").decode().split()]
         reach = facts(folder, "r")["bins"]
         ways = [0.25 + 0.5 * k - reach for k in range(4 * reach)]  # to places, by their rows and columns
@@ -63,18 +63,30 @@ def test_a_mosaic_is_the_mean_of_its_pings():
     headings, rolled and pitched. The beams of a fan in one plane are bearings in that plane, those of a cone about
     the sonar's z axis; of a level fan these are the same."""
     for pitch_deg, shape in (0, "plane"), (30, "plane"), (30, "cone"):
-        check_mean(pitch_deg, shape)
+        check_mean(pitch_deg, shape, "{fan: {count: 12, sector_deg: 96, pitch_deg: %d, shape: %s, length_h_m: 0.2, "
+                   "length_v_m: 0.02}}" % (pitch_deg, shape))
 
 
-def check_mean(pitch_deg, shape):
+def test_a_mosaic_of_beams_from_starboard_to_port():
+    """Is the mean of its pings as well. Of uneven beams one is half round to port of the middle one in the list: it
+    is seen where one of the same beams from port to starboard is."""
+    beam = "{yaw_deg: %g, length_h_m: 0.2, length_v_m: 0.02}"
+    check_mean(0, "plane", "[" + ", ".join(beam % (44 - 8 * k) for k in range(12)) + "]", starboard_first=True)
+    for bearings in (170, 160, 150, 140, -20, -60), (-60, -20, 140, 150, 160, 170):
+        with Folder() as folder:
+            receivers = "[" + ", ".join(beam % bearing for bearing in bearings) + "]"
+            check_bearings(folder, receivers, [-178, -120, -85, -75, -41, -39, 59, 100, 144, 156, 174, 176],
+                           [-75, -41, -39, 59, 100, 144, 156, 174])
+
+
+def check_mean(pitch_deg, shape, receivers, starboard_first=False):
     tilt_deg = pitch_deg if shape == "plane" else 0
     with Folder() as folder:
         folder.write("way.csv", "time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n0,3,26,5,6,-4,0\n0.05,3,28,4,6,-4,20\n"
                      "0.1,5,37,4,-8,5,110\n")
         run = run_of(folder, pings=3, edits={
             "  receivers:\n    - {name: forward}\n    - {name: down, pitch_deg: 45}":
-                f"  receivers: {{fan: {{count: 12, sector_deg: 96, pitch_deg: {pitch_deg}, shape: {shape}, "
-                "length_h_m: 0.2, length_v_m: 0.02}}\n  max_range_m: 30",
+                f"  receivers: {receivers}\n  max_range_m: 30",
             "mission: {pose: {position_m: [0, 0, 5]}": f"mission: {{track: {folder / 'way.csv'}"})
         asdic("render", run, "--mosaic", folder / "m.png", "--cell", "0.8", "--colormap", "gray").check(code=0, out="")
         said = asdic("model", "absorption", "t_degc=10", "s_ppt=35", "z_m=5", "ph=8", "f_khz=100").check(code=0).out
@@ -104,7 +116,8 @@ for p in pings:
     beam = (np.degrees(np.arctan2(way @ starboard, way @ ahead)) + 48.0) / 8.0
     seen = (r < reach) & (beam > 0) & (beam < 12)
     clear &= (abs(r - np.rint(r)) > 1e-4) & (abs(beam - np.rint(beam)) > 1e-4)
-    db = p["level_db"][np.clip(beam, 0, 11).astype(int), np.clip(r, 0, 29).astype(int)].astype(float)
+    levels = p["level_db"][::{-1 if starboard_first else 1}].astype(float)
+    db = levels[np.clip(beam, 0, 11).astype(int), np.clip(r, 0, 29).astype(int)]
     seen &= np.isfinite(db)
     total += np.where(seen, 10 ** (0.1 * (db + 30 * np.log10(r) + 2 * {alpha} * r / 1000)), 0.0)
     count += seen
@@ -138,13 +151,17 @@ def test_a_mosaic_goes_without_what_it_cannot_follow():
 def test_a_mosaic_of_a_fan_that_looks_astern():
     """Both halves of its floor, beyond 180 degrees as well."""
     with Folder() as folder:
-        mosaic_of(folder, "count: 4, sector_deg: 120, yaw_deg: 180", pings=1)
-        yaws = [0, 90, 115, 125, 150, 178, 182, 200, 235, 245, 270]
-        places = "".join(f"{20 * math.sin(math.radians(y))} {20 * math.cos(math.radians(y))}\n" for y in yaws)
-        out = tool("gdallocationinfo", "-valonly", "-b", "1", "-geoloc", "m.png", cwd=folder.path,
-                   stdin=places).splitlines()  # empty beyond the picture
-        tap.equal([yaw for yaw, value in zip(yaws, out) if value not in ("", "255")], [125, 150, 178, 182, 200, 235],
-                  "bearings that were seen")
+        check_bearings(folder, "{fan: {count: 4, sector_deg: 120, yaw_deg: 180}}",
+                       [0, 90, 115, 125, 150, 178, 182, 200, 235, 245, 270], [125, 150, 178, 182, 200, 235])
+
+
+def check_bearings(folder, receivers, yaws, seen):
+    """Of these places 20 m off those at SEEN were seen."""
+    mosaic_of(folder, receivers, pings=1)
+    places = "".join(f"{20 * math.sin(math.radians(y))} {20 * math.cos(math.radians(y))}\n" for y in yaws)
+    out = tool("gdallocationinfo", "-valonly", "-b", "1", "-geoloc", "m.png", cwd=folder.path,
+               stdin=places).splitlines()  # empty beyond the picture
+    tap.equal([yaw for yaw, value in zip(yaws, out) if value not in ("", "255")], seen, "bearings that were seen")
 
 
 STEP = """version: 1

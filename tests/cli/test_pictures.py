@@ -87,6 +87,22 @@ def test_a_plan_shows_beams_that_are_no_fan():
         tap.equal(pixels(folder, "r1", "plan.png") == pixels(folder, "r2", "plan.png"), True, "the same plan")
 
 
+def test_a_fan_may_be_listed_from_starboard():
+    """It has its picture and joins its beams in the plan, which shows the same as one from port."""
+    with Folder() as folder:
+        for name, order in (("r1", range(9)), ("r2", range(8, -1, -1))):
+            beams = "".join(f"\n    - {{name: b{i}, pitch_deg: {20 + i}, yaw_deg: {12 * i - 40}, "
+                            f"length_h_m: {0.1 + 0.01 * i}}}" for i in order)
+            run = run_of(folder, pings=1, edits={"\n    - {name: forward}\n    - {name: down, pitch_deg: 45}": beams,
+                                                 "[waterfall, ascope, fan]": "[fan, plan]",
+                                                 "level_db: 200": "level_db: 0"})  # no error to note
+            os.rename(run, folder / name)
+            tap.equal("fan_0.png" in pictures(folder, name), True, f"a fan picture of {name}")
+        if "plan.png" not in pictures(folder, "r1"):
+            raise tap.Skip("built without cairo")
+        tap.equal(pixels(folder, "r1", "plan.png") == pixels(folder, "r2", "plan.png"), True, "the same plan")
+
+
 def test_a_plan_joins_beams_that_touch():
     """Two groups of six astern, no fan, of which each makes one area; twelve areas where gaps are between all."""
     for step, areas in (6, 2), (8, 12):
@@ -230,7 +246,7 @@ def test_beams_straight_down_make_no_fan():
         run_of(folder, pings=1, edits={"\n    - {name: forward}\n    - {name: down, pitch_deg: 45}": beams})
         tap.equal([name for name in pictures(folder, "r") if name.startswith("fan_")], [], "fan pictures")
         done = asdic("render", folder / "r", "--images", "fan").check(code=2)
-        tap.contains(done.err, "no fan picture: it needs three beams or more at ascending bearings")
+        tap.contains(done.err, "no fan picture: it needs three beams or more in the order of their bearings")
         tap.contains(done.err, "error: ")
         asdic("render", folder / "r", "--images", "fan,ascope").check(code=0)
 

@@ -305,11 +305,52 @@ static void fan_starboard_is_right(void **state) {
     assert_int_equal(left, 0);
     assert_true(right > 10000);
     free(rgb);
-    const double falling[3] = {0.5, 0.0, -0.5};
+    const double to_and_fro[3] = {0.5, -0.5, 0.0};
     asdic_fan wrong = fan;
-    wrong.bearing_rad = falling;
+    wrong.bearing_rad = to_and_fro;
     assert_int_equal(asdic_picture_fan(ctx, file_in_folder("f.png"), &wrong, &options),
                      ASDIC_ERROR_ARGUMENT);
+}
+
+/* A fan whose beams are listed from starboard to port is the same picture, texts included. Its sectors are of
+ * uneven beams, of one that ends on an axis, and all round. */
+static void fans_are_the_same_listed_either_way(void **state) {
+    (void)state;
+    enum { BEAMS = 9, BINS = 40 };
+    static const double low_rad[] = {-0.7, 0.0, 0.3, -3.0}, step_rad[] = {0.1, 0.15, 0.4, 0.75};
+    asdic_picture_options options = asdic_picture_options_default();
+    options.db_low = 0.0;
+    options.db_high = 100.0;
+    for (size_t k = 0; k < sizeof low_rad / sizeof *low_rad; k++) {
+        float levels_db[2][BEAMS * BINS];
+        double bearing_rad[2][BEAMS];
+        uint8_t *rgb[2];
+        size_t width[2], height[2];
+        for (size_t b = 0; b < BEAMS; b++) {
+            double at_rad = low_rad[k] + step_rad[k] * (double)b * (1.0 + 0.01 * (double)b);
+            bearing_rad[0][b] = bearing_rad[1][BEAMS - 1 - b] = at_rad;
+            for (size_t i = 0; i < BINS; i++) {
+                float level_db = (float)((37 * b + 11 * i) % 100);
+                levels_db[0][b * BINS + i] = level_db;
+                levels_db[1][(BEAMS - 1 - b) * BINS + i] = level_db;
+            }
+        }
+        for (size_t way = 0; way < 2; way++) {
+            const asdic_fan fan = {.levels_db = levels_db[way],
+                                   .bearing_rad = bearing_rad[way],
+                                   .beams = BEAMS,
+                                   .bins = BINS,
+                                   .bin_length_m = 1.0};
+            assert_int_equal(asdic_picture_fan(ctx, file_in_folder("w.png"), &fan, &options),
+                             ASDIC_OK);
+            rgb[way] = decode(file_in_folder("w.png"), PNG_FORMAT_RGB, &width[way], &height[way]);
+        }
+        assert_int_equal(width[0], width[1]);
+        assert_int_equal(height[0], height[1]);
+        assert_memory_equal(rgb[0], rgb[1], 3 * width[0] * height[0]);
+        free(rgb[0]);
+        free(rgb[1]);
+    }
 }
 
 static void ascope_draws_its_curves(void **state) {
@@ -733,6 +774,7 @@ int main(void) {
         cmocka_unit_test(a_waterfalls_frame_hides_no_level),
         cmocka_unit_test(waterfall_averages_energy),
         cmocka_unit_test(fan_starboard_is_right),
+        cmocka_unit_test(fans_are_the_same_listed_either_way),
         cmocka_unit_test(ascope_draws_its_curves),
         cmocka_unit_test(ascope_shows_residuals_and_lone_echoes),
         cmocka_unit_test(subtitles_have_a_line),

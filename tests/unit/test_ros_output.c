@@ -37,6 +37,15 @@ static asdic_sonar sonar_of(size_t beams) {
     return sonar;
 }
 
+/* The same beams from starboard to port. */
+static const asdic_beam *mirrored(void) {
+    static asdic_beam beams[BEAMS];
+    for (size_t b = 0; b < BEAMS; b++) {
+        beams[b] = receivers[BEAMS - 1 - b];
+    }
+    return beams;
+}
+
 static asdic_ros *ros_of(const asdic_sonar *sonar, const asdic_sweep *sweep) {
     asdic_ros_about about = asdic_ros_about_default();
     asdic_ros *ros;
@@ -357,12 +366,13 @@ static uint32_t color(double low_db, double high_db, double level_db) {
     return asdic_raster_color(&look, level_db, 1.0, 0);
 }
 
-static void a_fan_has_the_window_of_its_first_ping(void **state) {
-    (void)state;
+static void check_fan(const asdic_beam *beams) {
     /* half-way between beams and as far outside: -0.45 to 0.6 rad */
     const double apex_x = ceil(400.0 * sin(0.45));
     const size_t width = (size_t)(apex_x + ceil(400.0 * sin(0.6)));
-    asdic_ros *ros = begin();
+    asdic_sonar sonar = sonar_of(BEAMS);
+    sonar.receivers = beams;
+    asdic_ros *ros = ros_of(&sonar, NULL);
     for (int at = 0; at < 2; at++) {
         for (size_t i = 0; i < CELLS; i++) {
             levels_db[i] = i == 5 ? NAN : 62.0f + (float)(at ? 2 * i : 3 * i);
@@ -370,12 +380,18 @@ static void a_fan_has_the_window_of_its_first_ping(void **state) {
         const uint8_t *pixels = check_image(ros, width, 400);
         for (size_t i = 0; i < CELLS; i++) { /* 62 to 95 dB, then 62 to 84: 60 to 100 both times */
             double share = ((double)(i % BINS) + 0.5) / BINS;
-            uint32_t rgb = pixel(pixels, width, apex_x, share, receivers[i / BINS].yaw_rad);
+            uint32_t rgb = pixel(pixels, width, apex_x, share, beams[i / BINS].yaw_rad);
             assert_int_equal(rgb, i == 5 ? 0 : color(60.0, 100.0, (double)levels_db[i]));
         }
         assert_int_equal(pixel(pixels, width, apex_x, 0.5, -0.5), 0);
     }
     asdic_ros_destroy(&ros);
+}
+
+static void a_fan_has_the_window_of_its_first_ping(void **state) {
+    (void)state;
+    check_fan(receivers);
+    check_fan(mirrored());
 }
 
 static void a_scan_grows(void **state) {
@@ -404,13 +420,16 @@ static void a_scan_grows(void **state) {
     asdic_ros_destroy(&scan);
 }
 
-/* Three beams or more at ascending bearings, or a scan of as many directions. */
+/* Three beams or more in the order of their bearings, or a scan of as many directions. */
 static void not_all_sonars_have_a_picture(void **state) {
     (void)state;
     static const asdic_beam alike[4] = {{.length_h_m = 0.1, .yaw_rad = 0.1},
                                         {.length_h_m = 0.1, .yaw_rad = 0.2},
                                         {.length_h_m = 0.1, .yaw_rad = 0.2},
                                         {.length_h_m = 0.1, .yaw_rad = 0.1}};
+    static const asdic_beam fro[3] = {{.length_h_m = 0.1, .yaw_rad = 0.2},
+                                      {.length_h_m = 0.1, .yaw_rad = 0.1},
+                                      {.length_h_m = 0.1, .yaw_rad = 0.15}};
     static const asdic_beam steep[3] = {{.length_h_m = 0.1, .yaw_rad = 0.1},
                                         {.length_h_m = 0.1, .yaw_rad = 0.2},
                                         {.length_h_m = 0.1, .yaw_rad = 0.3, .pitch_rad = -1.5}};
@@ -423,7 +442,8 @@ static void not_all_sonars_have_a_picture(void **state) {
     } rows[] = {{receivers, 3, NULL, true},  {receivers, 2, NULL, false},
                 {receivers, 1, NULL, false}, {alike, 3, NULL, false},
                 {alike + 1, 3, NULL, false}, {steep, 3, NULL, false},
-                {receivers, 1, &two, false}, {receivers, 1, &three, true}};
+                {receivers, 1, &two, false}, {receivers, 1, &three, true},
+                {mirrored(), 3, NULL, true}, {fro, 3, NULL, false}};
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
         asdic_sonar sonar = sonar_of(rows[i].count);
         sonar.receivers = rows[i].beams;

@@ -353,7 +353,7 @@ static void the_window_is_of_the_first_ping(void **state) {
     }
 }
 
-/* A fan has three ascending bearings or more, also of an array that is tilted, and is shown as one
+/* A fan has three bearings or more in their order, also of an array that is tilted, and is shown as one
  * from twelve beams on; the first beam shown looks ahead. Heads that scan make fans of more than two directions. */
 static void fans_are_known(void **state) {
     (void)state;
@@ -372,6 +372,8 @@ static void fans_are_known(void **state) {
          false, 0},
         {"[{name: a, yaw_deg: -9}, {name: b, pitch_deg: 85}, {name: c, yaw_deg: 9}]", "", false,
          false, 0},
+        {"[{name: a, yaw_deg: 9}, {name: b, yaw_deg: -1}, {name: c, yaw_deg: -9}]", "", true, false,
+         1},
         {"{fan: {count: 12, sector_deg: 120, pitch_deg: 10, length_h_m: 0.1, length_v_m: 0.02}}",
          "", true, true, 5},
         {"{fan: 11}", "", true, false, 5},

@@ -74,10 +74,10 @@ ASDIC_API asdic_status asdic_picture_waterfall(asdic_context *ctx, const char *p
                                                const asdic_waterfall *waterfall,
                                                const asdic_picture_options *options);
 
-/* One ping over bearing. LEVELS_DB[beam * bins + bin], BEARING_RAD ascending, positive to
- * starboard. A polar sector: apex at the bottom centre, ahead up, starboard right. Of a section the
- * bearings are clockwise on the page from straight up, so that pi is below the apex, and directions
- * are labelled by their angle below the level. */
+/* One ping over bearing. LEVELS_DB[beam * bins + bin], BEARING_RAD positive to starboard, ascending
+ * or descending throughout. A polar sector: apex at the bottom centre, ahead up, starboard right.
+ * Of a section the bearings are clockwise on the page from straight up, so that pi is below the
+ * apex, and directions are labelled by their angle below the level. */
 typedef struct asdic_fan {
     const float *levels_db;
     const double *bearing_rad;

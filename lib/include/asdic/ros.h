@@ -53,7 +53,7 @@ ASDIC_API asdic_status asdic_ros_create(asdic_context *ctx, const asdic_ros_abou
 ASDIC_API void asdic_ros_destroy(asdic_ros **ros);
 
 /* Of an output: its type, as "sensor_msgs/msg/Image", and whether there is one: a picture needs
- * three beams or more at ascending bearings, none straight up or down, or a scan. */
+ * three beams or more in the order of their bearings, none straight up or down, or a scan. */
 ASDIC_API const char *asdic_ros_type_name(asdic_ros_output output);
 ASDIC_API bool asdic_ros_has(const asdic_ros *ros, asdic_ros_output output);
 

@@ -23,12 +23,14 @@ void asdic_frame_path(char path[4096], const char *folder, const char *sub, size
 
 /* --- where bins lie --------------------------------------------------------------------------- */
 
-static asdic_status map_bearing(asdic_context *ctx, size_t beams, size_t bins,
+static asdic_status map_bearing(asdic_context *ctx, const asdic_sonar *sonar, size_t bins,
                                 asdic_frame_map *map) {
+    size_t beams = sonar->receiver_count;
     *map = (asdic_frame_map){beams, bins, malloc(beams * bins * sizeof *map->cells)};
     for (size_t y = 0; map->cells && y < bins; y++) {
         for (size_t x = 0; x < beams; x++) { /* the farthest bin on top */
-            map->cells[y * beams + x] = (uint32_t)(x * bins + bins - 1 - y);
+            size_t beam = asdic_beam_from_port(sonar->receivers, beams, x);
+            map->cells[y * beams + x] = (uint32_t)(beam * bins + bins - 1 - y);
         }
     }
     return map->cells ? ASDIC_OK : asdic_fail_memory(ctx, "a picture's pixels");
@@ -39,9 +41,8 @@ static asdic_status map_polar(asdic_context *ctx, const asdic_sonar *sonar, size
     size_t beams = sonar->receiver_count, good = asdic_beams_in_fan(sonar);
     if (good < beams) {
         return asdic_fail(ctx, ASDIC_ERROR_INPUT,
-                          "receiver %zu does not look farther to starboard than the one before it, "
-                          "or looks straight up or down: a data set needs a fan of beams from port "
-                          "to starboard",
+                          "receiver %zu is not in the order of bearings, or looks straight up or "
+                          "down: a data set needs a fan of beams from one side to the other",
                           good);
     }
     double *bearing_rad = malloc(beams * sizeof *bearing_rad);
@@ -63,7 +64,7 @@ asdic_status asdic_frame_maps_init(asdic_context *ctx, const asdic_sonar *sonar,
                                    double radius_px, asdic_frame_map maps[ASDIC_FORM_COUNT]) {
     memset(maps, 0, ASDIC_FORM_COUNT * sizeof *maps);
     TRY(map_polar(ctx, sonar, bins, radius_px, &maps[ASDIC_FORM_POLAR]));
-    return map_bearing(ctx, sonar->receiver_count, bins, &maps[ASDIC_FORM_BEARING]);
+    return map_bearing(ctx, sonar, bins, &maps[ASDIC_FORM_BEARING]);
 }
 
 void asdic_frame_maps_finish(asdic_frame_map maps[ASDIC_FORM_COUNT]) {

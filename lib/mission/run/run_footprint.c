@@ -3,6 +3,7 @@
 #include "base/context.h"
 #include "base/vec.h"
 #include "out/beam_width.h"
+#include "out/raster.h"
 #include "sim/bent_ray.h"
 #include "sim/ring.h"
 
@@ -48,9 +49,14 @@ static cut cut_at(const asdic_swath *s, const asdic_beam *beam, double azimuth_r
                  .half_rad = 0.5 * asdic_half_power_rad(s->wavelength_m, beam->length_v_m)};
 }
 
+/* Beam I of the swath, from port. */
+static const asdic_beam *beam_at(const asdic_swath *s, size_t i) {
+    return &s->beams[asdic_beam_from_port(s->beams, s->count, i)];
+}
+
 /* Whether the beams are all round, so that the outermost are neighbours. */
 static bool goes_round(const asdic_swath *s) {
-    const asdic_beam *first = &s->beams[0], *last = &s->beams[s->count - 1];
+    const asdic_beam *first = beam_at(s, 0), *last = beam_at(s, s->count - 1);
     return last->yaw_rad - first->yaw_rad +
                0.5 * asdic_half_power_rad(s->wavelength_m, first->length_h_m) +
                0.5 * asdic_half_power_rad(s->wavelength_m, last->length_h_m) >=
@@ -60,7 +66,7 @@ static bool goes_round(const asdic_swath *s) {
 /* From port to starboard; all round, from the first beam's axis to the same again. */
 static size_t cut_swath(const asdic_swath *s, bool is_round, cut cuts[MOST_ACROSS]) {
     size_t n = 0;
-    const asdic_beam *first = &s->beams[0], *last = &s->beams[s->count - 1];
+    const asdic_beam *first = beam_at(s, 0), *last = beam_at(s, s->count - 1);
     double half_rad = 0.5 * asdic_half_power_rad(s->wavelength_m, first->length_h_m);
     if (s->count == 1) {
         while (n < ACROSS) {
@@ -75,7 +81,7 @@ static size_t cut_swath(const asdic_swath *s, bool is_round, cut cuts[MOST_ACROS
         cuts[n++] = cut_at(s, first, -half_rad);
     }
     for (size_t i = 0; i < s->count; i += step) {
-        cuts[n++] = cut_at(s, &s->beams[i], 0.0);
+        cuts[n++] = cut_at(s, beam_at(s, i), 0.0);
     }
     cuts[n++] = is_round ? cuts[0] : cut_at(s, last, last_rad);
     return n;

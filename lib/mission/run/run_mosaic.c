@@ -244,6 +244,7 @@ static asdic_status find_edges(mosaic *m) {
     double *bearing_rad = malloc(m->info.beams * sizeof *bearing_rad);
     m->edges_rad = malloc((m->info.beams + 1) * sizeof *m->edges_rad);
     bool good = bearing_rad && m->edges_rad;
+    bool descends = sonar->receivers[1].yaw_rad < sonar->receivers[0].yaw_rad;
     m->is_line = m->info.sampling.coherent;
     m->fan = m->is_line ? asdic_face_mount(&sonar->array.element) : find_axes(sonar);
     for (size_t b = 0; good && b < m->info.beams; b++) {
@@ -251,8 +252,9 @@ static asdic_status find_edges(mosaic *m) {
         asdic_vec3 ahead = {beam.m[0][0], beam.m[1][0], beam.m[2][0]};
         asdic_vec3 along = asdic_mat3_apply_inverse(m->fan, ahead);
         bearing_rad[b] = bearing_of(m, along);
-        if (b > 0 && bearing_rad[b] < bearing_rad[b - 1]) { /* beams ascend, also past astern */
-            bearing_rad[b] += 2.0 * ASDIC_PI;
+        double step_rad = b > 0 ? bearing_rad[b] - bearing_rad[b - 1] : 0.0;
+        if (descends ? step_rad > 0.0 : step_rad < 0.0) { /* past astern */
+            bearing_rad[b] += descends ? -2.0 * ASDIC_PI : 2.0 * ASDIC_PI;
         }
     }
     if (good) {
@@ -307,7 +309,7 @@ asdic_status asdic_run_mosaic(asdic_context *ctx, const char *folder, double cel
         status = m.info.pings == 0 || !asdic_beams_make_fan(m.info.sonar)
                      ? asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
                                   "no mosaic of '%s': it needs a ping or more, and three beams or "
-                                  "more at ascending bearings",
+                                  "more in the order of their bearings",
                                   folder)
                      : lay(&m, options);
     }

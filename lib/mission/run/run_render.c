@@ -112,8 +112,8 @@ bool asdic_render_can_fan(const asdic_settings *settings) {
 static void drop_impossible(asdic_render *r) {
     if ((r->images & 1u << ASDIC_IMAGE_FAN) && !asdic_render_can_fan(&r->run->settings)) {
         asdic_log(r->ctx, r->options.images ? ASDIC_LOG_WARNING : ASDIC_LOG_INFO,
-                  "no fan picture: it needs three beams or more at ascending bearings or in an "
-                  "upright plane, or a scan");
+                  "no fan picture: it needs three beams or more in the order of their bearings or "
+                  "in an upright plane, or a scan");
         r->images &= ~(1u << ASDIC_IMAGE_FAN);
     }
     const unsigned over_time = 1u << ASDIC_IMAGE_WATERFALL | 1u << ASDIC_IMAGE_OVERVIEW;
