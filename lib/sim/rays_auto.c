@@ -34,6 +34,8 @@
 #define PLANES_MORE 0.75
 #define MIRRORS_TIMES 1.3 /* more, where these mirror */
 #define MOST_DB 6.5       /* bins that few rays meet, or none */
+#define MOST_BEAMS 4096   /* of a sonar */
+#define ALIKE 1e-6        /* nearer, in half-power widths, is the same aim, but for rounding */
 
 /* Half-power width of an aperture of LENGTH wavelengths, sinc^2 (sin(x) / x = 1 / sqrt 2 at x = 1.3916), at
  * most a half-space. */
@@ -42,67 +44,73 @@ static double width_rad(double length_wl) {
     return 2.0 * asin(fmin(sine, 1.0));
 }
 
-/* A beam, and how near the nearest other one is, in half-power widths, squared; 1: it is alone. Rays of a sector also go
- * between beams that lie apart across it: there it may be more. */
-typedef struct own_beam {
-    asdic_face face;
+/* A beam that is not joined to the others yet: its half-power widths, and how near the nearest one that is joined lies,
+ * in these, squared. */
+typedef struct lone_beam {
+    const asdic_beam *beam;
+    asdic_vec3 axis;
     double wide, high, nearest2;
-} own_beam;
+} lone_beam;
 
 /* Sides, not yaw and pitch, tell how far one beam is from another: in a fan that looks down, or is
  * rolled, the narrow one lies along neither. Sines bound the angles, and spare most pairs the
  * arcs. */
-static void meet(own_beam *own, asdic_vec3 axis) {
-    asdic_vec3 v = asdic_mat3_apply(own->face.world_to_face, axis);
-    double across = v.y / own->wide, down = v.z / own->high;
-    if (across * across + fmin(down * down, 1.0) < own->nearest2) {
-        across = atan2(v.y, v.x) / own->wide;
-        down = asin(fmin(fmax(v.z, -1.0), 1.0)) / own->high;
-        own->nearest2 = fmin(own->nearest2, across * across + fmin(down * down, 1.0));
+static void meet(lone_beam *lone, const asdic_face *joined) {
+    asdic_vec3 v = asdic_mat3_apply(joined->world_to_face, lone->axis);
+    double across = v.y / lone->wide, down = v.z / lone->high;
+    if (across * across + fmin(down * down, 1.0) < lone->nearest2) {
+        across = atan2(v.y, v.x) / lone->wide;
+        down = asin(fmin(fmax(v.z, -1.0), 1.0)) / lone->high;
+        lone->nearest2 = fmin(lone->nearest2, across * across + fmin(down * down, 1.0));
     }
 }
 
-/* Beams of a block are compared with all together, so that those are aimed once a block. */
-#define BLOCK 64
-
-/* What the nearest other beam leaves of each beam, 0 to 1, summed over COUNT beams from FIRST. */
-static double apart_in_block(const asdic_sonar *sonar, double wavelength_m, size_t first,
-                             size_t count) {
+/*
+ * Beams of SONAR that do not overlap, 1 or more: the sum of the steps of the shortest tree that joins all, in half-power
+ * widths, and a mean step for the beam that it begins with. So it matters neither in which order beams are listed nor
+ * whether some aim alike. Rays of a sector also go between beams that lie apart across it: there a step counts whole,
+ * else 1 at most.
+ */
+static double beams_apart(const asdic_sonar *sonar, double wavelength_m) {
     const asdic_pose level = {0};
-    const double alone2 = sonar->receiver_count > ASDIC_AIMS_MOST ? INFINITY : 1.0;
-    own_beam own[BLOCK];
-    for (size_t k = 0; k < count; k++) {
-        asdic_face face = asdic_face_aim(&sonar->receivers[first + k], &level, wavelength_m);
-        own[k] = (own_beam){face, width_rad(face.length_h_wl), width_rad(face.length_v_wl), alone2};
+    lone_beam lone[MOST_BEAMS];
+    size_t left = sonar->receiver_count < MOST_BEAMS ? sonar->receiver_count : MOST_BEAMS;
+    for (size_t k = 0; k < left; k++) {
+        const asdic_beam *beam = &sonar->receivers[k];
+        asdic_face face = asdic_face_aim(beam, &level, wavelength_m);
+        const double *axis = face.world_to_face.m[0];
+        lone[k] = (lone_beam){beam,
+                              {axis[0], axis[1], axis[2]},
+                              width_rad(face.length_h_wl),
+                              width_rad(face.length_v_wl),
+                              INFINITY};
     }
-    for (size_t b = 0; b < sonar->receiver_count; b++) {
-        asdic_face other = asdic_face_aim(&sonar->receivers[b], &level, wavelength_m);
-        const double *axis = other.world_to_face.m[0];
-        for (size_t k = 0; k < count; k++) {
-            if (first + k != b) {
-                meet(&own[k], (asdic_vec3){axis[0], axis[1], axis[2]});
-            }
+    double whole = 0.0, bounded = 0.0, steps = 0.0;
+    for (size_t next = 0; left > 0;) {
+        asdic_face joined = asdic_face_aim(lone[next].beam, &level, wavelength_m);
+        lone[next] = lone[--left];
+        next = 0;
+        for (size_t k = 0; k < left; k++) {
+            meet(&lone[k], &joined);
+            next = lone[k].nearest2 < lone[next].nearest2 ? k : next;
         }
+        double step = left > 0 ? sqrt(lone[next].nearest2) : 0.0;
+        whole += step;
+        bounded += fmin(step, 1.0);
+        steps += step > ALIKE ? 1.0 : 0.0;
     }
-    double apart = 0.0;
-    for (size_t k = 0; k < count; k++) {
-        apart += sqrt(own[k].nearest2);
-    }
-    return apart;
+    double sum = steps >= ASDIC_AIMS_MOST ? whole : bounded;
+    return fmax(sum + sum / fmax(steps, 1.0), 1.0);
 }
 
 /* Cells that SONAR tells apart; 0 of no sonar. */
 static double cells_of(const asdic_sonar *sonar, double sound_speed_mps) {
-    if (!sonar || !(sonar->frequency_hz > 0.0) || !(sound_speed_mps > 0.0)) {
+    if (!sonar || sonar->receiver_count == 0 || !(sonar->frequency_hz > 0.0) ||
+        !(sound_speed_mps > 0.0)) {
         return 0.0;
     }
-    double beams = 0.0;
-    for (size_t first = 0; first < sonar->receiver_count; first += BLOCK) {
-        size_t left = sonar->receiver_count - first;
-        beams += apart_in_block(sonar, sound_speed_mps / sonar->frequency_hz, first,
-                                left < BLOCK ? left : BLOCK);
-    }
-    return beams * (double)asdic_sonar_bin_count(sonar, sound_speed_mps);
+    return beams_apart(sonar, sound_speed_mps / sonar->frequency_hz) *
+           (double)asdic_sonar_bin_count(sonar, sound_speed_mps);
 }
 
 /* Rays for AUTO_DB, without limits. */

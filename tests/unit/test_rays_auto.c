@@ -11,22 +11,29 @@
 #define MOST 512
 #define SPEED 1500.0
 
-static uint32_t rays_of(size_t beams, double sector_deg, double pitch_step_deg, double range_m,
-                        asdic_rays_over over) {
+/* TIMES each of BEAMS, one list of them after the other, the later ones TURN_DEG more to starboard each. */
+static uint32_t rays_of_alike(size_t beams, double sector_deg, double pitch_step_deg,
+                              double range_m, asdic_rays_over over, size_t times, double turn_deg) {
     static asdic_beam receivers[MOST];
     asdic_sonar sonar = asdic_sonar_default();
-    for (size_t i = 0; i < beams; i++) {
-        double at = (i + 0.5) / (double)beams - 0.5;
-        receivers[i] = sonar.transmitter;
-        receivers[i].length_h_m = 0.75; /* 1.02 degrees */
-        receivers[i].yaw_rad = at * sector_deg * 3.14159265 / 180.0;
-        receivers[i].pitch_rad = i * pitch_step_deg * 3.14159265 / 180.0;
+    for (size_t k = 0; k < times * beams; k++) {
+        size_t i = k % beams;
+        double at = (i + 0.5) / (double)beams - 0.5, turn = (double)(k / beams) * turn_deg;
+        receivers[k] = sonar.transmitter;
+        receivers[k].length_h_m = 0.75; /* 1.02 degrees */
+        receivers[k].yaw_rad = (at * sector_deg + turn) * 3.14159265 / 180.0;
+        receivers[k].pitch_rad = i * pitch_step_deg * 3.14159265 / 180.0;
     }
     sonar.receivers = receivers;
-    sonar.receiver_count = beams;
+    sonar.receiver_count = times * beams;
     sonar.bin_length_m = 0.1;
     sonar.ping_rate_hz = SPEED / (2.0 * range_m);
     return asdic_rays_auto(&sonar, SPEED, over);
+}
+
+static uint32_t rays_of(size_t beams, double sector_deg, double pitch_step_deg, double range_m,
+                        asdic_rays_over over) {
+    return rays_of_alike(beams, sector_deg, pitch_step_deg, range_m, over, 1, 0.0);
 }
 
 static void overlap_asks_for_nothing(void **state) {
@@ -35,6 +42,31 @@ static void overlap_asks_for_nothing(void **state) {
     assert_in_range(once, 245000, 260000); /* 4 x 500 bins x 125.5 beams, in two digits */
     assert_int_equal(rays_of(256, 128.0, 0.0, 50.0, ASDIC_OVER_PLANES), once);
     assert_int_equal(rays_of(512, 128.0, 0.0, 50.0, ASDIC_OVER_PLANES), once);
+}
+
+/* Beams that are listed twice or three times count once; a hundredth of a width apart, they count one beam more or less
+ * at most. */
+static void beams_alike_count_once(void **state) {
+    (void)state;
+    static const struct {
+        size_t beams, times;
+        double sector_deg, range_m;
+    } cases[] = {{1, 2, 0.0, 1000.0},  {1, 3, 0.0, 1000.0},   {4, 2, 120.0, 250.0},
+                 {4, 3, 120.0, 250.0}, {32, 2, 120.0, 50.0},  {128, 2, 128.0, 50.0},
+                 {64, 2, 20.0, 300.0}, {128, 3, 100.0, 50.0}, {20, 3, 120.0, 50.0}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        size_t beams = cases[i].beams, times = cases[i].times;
+        double sector = cases[i].sector_deg, range = cases[i].range_m;
+        uint32_t once = rays_of(beams, sector, 0.0, range, ASDIC_OVER_PLANES);
+        uint32_t alike = rays_of_alike(beams, sector, 0.0, range, ASDIC_OVER_PLANES, times, 0.0);
+        uint32_t nearly =
+            rays_of_alike(beams, sector, 0.0, range, ASDIC_OVER_PLANES, times, 0.0102);
+        assert_in_range(once, 20001, 500000); /* within the limits */
+        assert_int_equal(alike, once);
+        if (times == 2 || beams > 8) { /* else they become a sector, whose gaps count */
+            assert_in_range(nearly, once - once / beams, once + once / beams + 10000);
+        }
+    }
 }
 
 /* Up to eight beams get rays of their own. */
@@ -150,6 +182,7 @@ static void error_is_foretold(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(overlap_asks_for_nothing),
+        cmocka_unit_test(beams_alike_count_once),
         cmocka_unit_test(beams_apart_count_each),
         cmocka_unit_test(gaps_in_a_sector_count),
         cmocka_unit_test(range_counts),
