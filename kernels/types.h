@@ -48,7 +48,7 @@ typedef struct dev_block4 {
  * power of two, so that host and device compute the same bits, whether they fuse products or not. */
 #define DEV_BOX_MARGIN 2.44140625e-4f /* 2^-12 */
 
-/* A ray in the scene frame; direction of unit length. t_max_m <= 0: skip, no hit. */
+/* A ray in the scene frame; direction of unit length. t_max <= 0: skip, no hit. */
 typedef struct dev_ray {
     float origin[3];
     float t_max;

@@ -11,7 +11,7 @@ typedef double (*asdic_integrand)(double x, void *user);
  * B <= A; NAN where F is. */
 double asdic_quadrature(asdic_integrand f, void *user, double a, double b, double tolerance);
 
-/* Gauss-Legendre nodes and weights on [-1, 1]: +-ASDIC_GAUSS16_NODE[i]. */
+/* Gauss-Legendre nodes and weights on [-1, 1]: +-asdic_gauss16_node[i]. */
 #define ASDIC_GAUSS16_HALF 8
 extern const double asdic_gauss16_node[ASDIC_GAUSS16_HALF];
 extern const double asdic_gauss16_weight[ASDIC_GAUSS16_HALF];

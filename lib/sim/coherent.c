@@ -11,8 +11,6 @@
 #include "patches.h"
 #include "scene/scene.h"
 
-#include "../../kernels/backscatter.h"
-
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -102,8 +100,7 @@ static void describe(const asdic_simulator *sim, asdic_coherent *c,
     const asdic_array *array = &sonar->array;
     const asdic_scene *scene = sim->setup.scene;
     size_t width = sim->setup.layout.width;
-    double strength = pow(10.0, 0.1 * volume_backscatter_db(sim->setup.env.particle_strength_db,
-                                                            sonar->frequency_hz / 1e3));
+    double strength = asdic_volume_strength_lin(&sim->setup.env, sonar);
     c->grid = asdic_coherent_grid_of(sonar, water->sound_speed_mps, sim->setup.bins);
     double line = 0.5 * array->spacing_m * (double)(array->elements - 1);
     c->now = (dev_coherent){

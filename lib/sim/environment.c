@@ -3,6 +3,7 @@
 #include "base/context.h"
 #include "base/try.h"
 
+#include "../../kernels/backscatter.h"
 #include "../../kernels/ray.h"
 #include "../../kernels/water.h"
 
@@ -208,4 +209,9 @@ double asdic_water_column_volume(const asdic_water_column *water, double bin_m, 
     }
     /* Infinite from the sonar itself on. */
     return begin > 0.0 ? ray_water(water->absorption_np_per_m, begin, end) : INFINITY;
+}
+
+double asdic_volume_strength_lin(const asdic_environment *env, const asdic_sonar *sonar) {
+    return pow(10.0,
+               0.1 * volume_backscatter_db(env->particle_strength_db, sonar->frequency_hz / 1e3));
 }

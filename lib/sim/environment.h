@@ -37,4 +37,7 @@ double asdic_water_column_loss(const asdic_water_column *water, double bin_m, si
 double asdic_water_column_volume(const asdic_water_column *water, double bin_m, double blanking_m,
                                  size_t bin);
 
+/* What a cubic metre of water scatters back, 1/m. */
+double asdic_volume_strength_lin(const asdic_environment *env, const asdic_sonar *sonar);
+
 #endif

@@ -20,8 +20,6 @@
 #include "pulse.h"
 #include "scene/scene.h"
 
-#include "../../kernels/backscatter.h"
-
 #include <stdlib.h>
 #include <string.h>
 
@@ -42,8 +40,7 @@ asdic_flat_laws asdic_flat_laws_at(const asdic_flat_scene *flat, const asdic_env
         .absorption_db_per_km =
             asdic_environment_absorption_db_per_km(env, sonar->frequency_hz, flat->depth_m),
         .source_lin = asdic_water_column_source_lin(&column, env, sonar),
-        .volume_lin = pow(10.0, 0.1 * volume_backscatter_db(env->particle_strength_db,
-                                                            1e-3 * sonar->frequency_hz)),
+        .volume_lin = asdic_volume_strength_lin(env, sonar),
     };
     asdic_law_water water = asdic_water_column_laws(&laws.water, env, sonar);
     if (flat->has_bottom) {

@@ -16,7 +16,7 @@
 #include <math.h>
 #include <stdatomic.h>
 
-static const asdic_component component_of[DEV_DEPOSIT_COUNT] = {
+const asdic_component asdic_component_of[DEV_DEPOSIT_COUNT] = {
     [DEV_DEPOSIT_BOTTOM] = ASDIC_BOTTOM,
     [DEV_DEPOSIT_SURFACE] = ASDIC_SURFACE,
     [DEV_DEPOSIT_VOLUME] = ASDIC_VOLUME,
@@ -202,7 +202,7 @@ static void convert_beam(const conversion *k, unsigned worker, size_t beam) {
         double echo[BLOCK] = {0.0};
         float error[BLOCK] = {0.0f};
         for (size_t c = 0; c < DEV_DEPOSIT_COUNT; c++) {
-            double *energy = k->out->intensity_lin[component_of[c]] + at;
+            double *energy = k->out->intensity_lin[asdic_component_of[c]] + at;
             const double *loss = c == DEV_DEPOSIT_VOLUME ? shot->volume : shot->loss;
             if (shot->ping->sums.present & 1u << c) {
                 convert_whole(quanta + c * sim->setup.cells + at, k->unit[c] * gain, loss + n,
@@ -311,7 +311,7 @@ static void convert_fan_beam(const conversion *k, unsigned worker, size_t beam) 
         double echo[BLOCK] = {0.0};
         float error[BLOCK] = {0.0f};
         for (size_t c = 0; c < DEV_DEPOSIT_COUNT; c++) {
-            double *energy = k->out->intensity_lin[component_of[c]] + at;
+            double *energy = k->out->intensity_lin[asdic_component_of[c]] + at;
             const float *quanta = asdic_beam_fan_row(&sim->fan, shot->sums, beam, c) + n;
             if (c == DEV_DEPOSIT_VOLUME) {
                 add(energy, count, echo);

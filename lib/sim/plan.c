@@ -10,7 +10,6 @@
 #include "quadrature_ping.h"
 #include "scene/scene.h"
 
-#include "../../kernels/backscatter.h"
 #include "../../kernels/beam.h"
 #include "../../kernels/ray.h"
 #include "../../kernels/water.h"
@@ -93,8 +92,7 @@ double asdic_plan_change_db(double energy, double noise) {
 /* The largest change that the water can make in any bin: all of it, seen through the transmitter's
  * whole solid angle. */
 static double volume_bound_db(const asdic_plan_case *c) {
-    double strength = pow(10.0, 0.1 * volume_backscatter_db(c->env->particle_strength_db,
-                                                            c->sonar->frequency_hz / 1e3));
+    double strength = asdic_volume_strength_lin(c->env, c->sonar);
     double source = pow(10.0, c->sonar->source_level_db / 10.0), most = 0.0;
     double solid_angle = transmit_solid_angle(c->sonar, c->water.wavelength_m);
     size_t bins = (size_t)(c->range_m / c->sonar->bin_length_m + 0.5);

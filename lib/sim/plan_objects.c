@@ -9,7 +9,6 @@
 #include "ring.h"
 #include "scene/scene.h"
 
-#include "../../kernels/backscatter.h"
 #include "../../kernels/ping_types.h"
 #include "../../kernels/ray.h"
 
@@ -133,11 +132,6 @@ typedef struct bounds {
     double nearest_m;  /* of anything that can be met */
 } bounds;
 
-static double volume_strength(const asdic_plan_case *c) {
-    return pow(10.0, 0.1 * volume_backscatter_db(c->env->particle_strength_db,
-                                                 1e-3 * c->sonar->frequency_hz));
-}
-
 static void judge_pose(const asdic_plan_case *c, const bounds *b, size_t part, double area_m2,
                        const asdic_pose *pose, verdict *v) {
     const asdic_part *object = &c->scene->parts[part];
@@ -166,7 +160,8 @@ static void judge_pose(const asdic_plan_case *c, const bounds *b, size_t part, d
                     exp(2.0 * c->water.absorption_np_per_m * fmax(1.0 - s.nearest_m, 0.0));
     /* Its own echo; and what is behind it, which would no longer be hidden. */
     double echo = asdic_scatterer_most(&m, c->range_m) * area_m2 / (near2 * near2);
-    double behind = s.solid_angle * (b->background / near2 + volume_strength(c) / s.nearest_m);
+    double volume = asdic_volume_strength_lin(c->env, c->sonar);
+    double behind = s.solid_angle * (b->background / near2 + volume / s.nearest_m);
     v->echo_lin = fmax(v->echo_lin, source * g.send * g.receive * (echo + behind));
     /* Over it there and back; over it one way, the other way straight. */
     double met = b->background + b->objects, share = m.device.reflection2;

@@ -37,11 +37,11 @@ void asdic_points_finish(asdic_simulator *sim) {
     free(sim->points.hits);
 }
 
-/* Makes room for PATHS more paths and RAYS more rays. */
-static asdic_status make_room(asdic_simulator *sim, size_t paths, size_t rays) {
+/* Makes room for a path more and its RAYS. */
+static asdic_status make_room(asdic_simulator *sim, size_t rays) {
     asdic_point_rays *p = &sim->points;
-    if (p->path_count + paths > p->path_capacity) {
-        size_t capacity = 2 * p->path_count + paths + sim->setup.scene->point_count;
+    if (p->path_count >= p->path_capacity) {
+        size_t capacity = 2 * p->path_count + 1 + sim->setup.scene->point_count;
         asdic_point_path *grown = realloc(p->paths, capacity * sizeof *grown);
         p->paths = grown ? grown : p->paths;
         p->path_capacity = grown ? capacity : p->path_capacity;
@@ -56,7 +56,7 @@ static asdic_status make_room(asdic_simulator *sim, size_t paths, size_t rays) {
         asdic_buffer_destroy(&p->ray_buffer);
         asdic_buffer_destroy(&p->hit_buffer);
     }
-    return p->path_count + paths <= p->path_capacity && p->ray_count + rays <= p->ray_capacity
+    return p->path_count < p->path_capacity && p->ray_count + rays <= p->ray_capacity
                ? ASDIC_OK
                : asdic_fail_memory(sim->ctx, "point targets");
 }
@@ -89,7 +89,7 @@ static bool keeps_in_water(const asdic_scene *scene, double from_m, const ray_wa
 }
 
 static asdic_status add_path(asdic_simulator *sim, size_t nth, const asdic_ping_shot *shot) {
-    TRY(make_room(sim, 1, 1));
+    TRY(make_room(sim, 1));
     asdic_vec3 to_m = sim->placement->points[nth].position_m;
     asdic_vec3 at = asdic_vec3_sub(shot->pose.position_m, sim->placement->origin_m);
     ray_way to = asdic_sonar_ray(shot->ping, asdic_vec3_sub(to_m, shot->pose.position_m), NEAREST);
@@ -205,7 +205,7 @@ static asdic_status add_eigenrays(asdic_simulator *sim, const passage *p, size_t
                       exp(minus_2k * (found->end.length_m - 1.0)) / (spread * spread);
         double cosine = cos(found->elevation_rad);
         triple u = {cosine * level.x, cosine * level.y, sin(found->elevation_rad)};
-        TRY(make_room(sim, 1, leg_count));
+        TRY(make_room(sim, leg_count));
         sim->points.paths[sim->points.path_count++] =
             (asdic_point_path){nth, u, range, loss, p->by, sim->points.ray_count, leg_count};
         add_legs(sim, p, &from, &level, found, legs, leg_count);

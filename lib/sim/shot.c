@@ -13,7 +13,6 @@
 #include "scene/scene.h"
 #include "sonar_ray.h"
 
-#include "../../kernels/backscatter.h"
 #include "../../kernels/mirror.h"
 #include "../../kernels/random.h"
 
@@ -318,8 +317,7 @@ bool asdic_shot_tabulate(const asdic_simulator *sim, asdic_ping_shot *shot) {
     if (shot->tables_np_per_m == water->absorption_np_per_m) {
         return false;
     }
-    double strength = pow(10.0, 0.1 * volume_backscatter_db(sim->setup.env.particle_strength_db,
-                                                            sim->setup.sonar.frequency_hz / 1e3));
+    double strength = asdic_volume_strength_lin(&sim->setup.env, &sim->setup.sonar);
     float *inverse = shot->for_device, *ratio = inverse + sim->setup.bins;
     for (size_t n = 0; n < sim->setup.bins; n++) {
         double loss = asdic_water_column_loss(water, sim->setup.sonar.bin_length_m, n);

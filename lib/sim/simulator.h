@@ -140,7 +140,7 @@ typedef struct asdic_buffers {
     asdic_buffer *layers, *legs, *leg_hits, *active; /* see advance.cl */
     asdic_buffer *bounced, *bounced_hits, *returning, *returning_hits, *mirrors;
     asdic_buffer *bounced_legs, *returning_legs;
-    asdic_buffer *arrivals; /* layout.deposit OWNED alone, see receive.h */
+    asdic_buffer *arrivals; /* ASDIC_DEPOSIT_COLLECT alone, see receive.h */
     asdic_buffer *water_tables;
     asdic_buffer *accumulator, *saturated, *totals, *results; /* see reduce.cl */
     asdic_buffer *pilot_rays, *pilot_energies;                /* adaptive sampler only */
@@ -372,6 +372,9 @@ void asdic_calibration_destroy(asdic_calibration **calibration);
 #define ASDIC_BOUNDARIES 2
 #define ASDIC_FIRST_BINS 2
 extern const asdic_component asdic_boundaries[ASDIC_BOUNDARIES];
+
+/* That a deposit goes to. */
+extern const asdic_component asdic_component_of[DEV_DEPOSIT_COUNT];
 
 /* The first of a beam's BINS that holds ENERGY; BINS: none does. */
 size_t asdic_first_bin(const double *energy, size_t bins);

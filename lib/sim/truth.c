@@ -346,7 +346,7 @@ static void add_points_by(const telling *to, asdic_path by, double *energy) {
     }
 }
 
-/* What tell_depression wants, to MOMENT, [beam][bin]. */
+/* What asdic_truth_share tells depressions from, to MOMENT, [beam][bin]. */
 static void gather_moments(const telling *to, double *moment) {
     const asdic_truth_rows *t = &to->sim->truth;
     const dev_sums *device = &to->shot->ping->sums;
@@ -373,19 +373,13 @@ static void gather_moments(const telling *to, double *moment) {
 
 /* What a beam of OUT holds of each component. */
 static void find_parts(const telling *to, size_t first, asdic_holdings *h) {
-    static const asdic_component echoes[DEV_DEPOSIT_COUNT] = {[DEV_DEPOSIT_BOTTOM] = ASDIC_BOTTOM,
-                                                              [DEV_DEPOSIT_SURFACE] = ASDIC_SURFACE,
-                                                              [DEV_DEPOSIT_VOLUME] = ASDIC_VOLUME,
-                                                              [DEV_DEPOSIT_OBJECT] = ASDIC_OBJECT,
-                                                              [DEV_DEPOSIT_MULTIPATH] =
-                                                                  ASDIC_MULTIPATH};
     for (int c = 0; c < ASDIC_COMPONENT_COUNT; c++) {
         h->part[c] = to->out->intensity_lin[c] + first;
     }
     for (int c = 0; c < DEV_DEPOSIT_COUNT; c++) {
         bool points = c == DEV_DEPOSIT_OBJECT && to->sim->truth.point_count > 0;
         if (!(to->shot->ping->sums.present & 1u << c) && !points) {
-            h->part[echoes[c]] = h->none;
+            h->part[asdic_component_of[c]] = h->none;
         }
     }
 }
