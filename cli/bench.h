@@ -11,7 +11,6 @@
 
 #include "cli.h"
 
-#define BENCH_MOST_COLUMNS 32
 #define BENCH_MOST_DRAWN 8 /* scenes in the picture of errors */
 
 typedef struct bench_column {

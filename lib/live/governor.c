@@ -46,7 +46,7 @@ void asdic_governor_init(asdic_governor *g, double period_s, uint32_t wanted, ui
 
 static void restart(asdic_governor *g, uint32_t rays) {
     g->rays = rays;
-    g->busy_s = g->wall_s = 0.0;
+    g->busy_s = 0.0;
     g->steps = 0;
 }
 

@@ -13,8 +13,8 @@
 typedef struct asdic_governor {
     double period_s;
     uint32_t wanted, least, rays;
-    bool follows;          /* false: the number of rays is fixed */
-    double busy_s, wall_s; /* summed since rays changed */
+    bool follows;  /* false: the number of rays is fixed */
+    double busy_s; /* summed since rays changed */
     size_t steps;
     double stretch; /* of the last steps */
 } asdic_governor;

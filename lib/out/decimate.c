@@ -6,17 +6,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-static size_t divide_up(size_t a, size_t b) {
-    return a / b + (a % b != 0);
-}
-
 asdic_status asdic_decimator_init(asdic_context *ctx, size_t rows_in, size_t columns_in,
                                   size_t max_rows, size_t max_columns, asdic_decimator *out) {
-    *out = (asdic_decimator){.row_group = divide_up(rows_in, max_rows),
-                             .column_group = divide_up(columns_in, max_columns),
+    *out = (asdic_decimator){.row_group = asdic_divide_up(rows_in, max_rows),
+                             .column_group = asdic_divide_up(columns_in, max_columns),
                              .columns_in = columns_in};
-    out->rows = divide_up(rows_in, out->row_group);
-    out->columns = divide_up(columns_in, out->column_group);
+    out->rows = asdic_divide_up(rows_in, out->row_group);
+    out->columns = asdic_divide_up(columns_in, out->column_group);
     out->levels_db = malloc(out->rows * out->columns * sizeof *out->levels_db);
     out->sum_lin = calloc(out->columns, sizeof *out->sum_lin);
     if (!out->levels_db || !out->sum_lin) {

@@ -7,6 +7,10 @@
 
 #include <asdic/context.h>
 
+static inline size_t asdic_divide_up(size_t a, size_t b) {
+    return a / b + (a % b != 0);
+}
+
 typedef struct asdic_decimator {
     size_t row_group, column_group; /* levels averaged into one; 1: none */
     size_t rows, columns;           /* of the result */

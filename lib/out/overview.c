@@ -1,13 +1,10 @@
 #include "overview.h"
 
 #include "base/context.h"
+#include "decimate.h"
 
 #include <math.h>
 #include <stdlib.h>
-
-static size_t divide_up(size_t a, size_t b) {
-    return a / b + (a % b != 0);
-}
 
 asdic_status asdic_overview_init(asdic_context *ctx, size_t pings, size_t beams, size_t bins,
                                  double bin_length_m, asdic_overview *out) {
@@ -15,10 +12,10 @@ asdic_status asdic_overview_init(asdic_context *ctx, size_t pings, size_t beams,
                             .beams = beams,
                             .bins = bins,
                             .bin_length_m = bin_length_m,
-                            .ping_group = divide_up(pings, ASDIC_OVERVIEW_MAX_ROWS),
-                            .beam_group = divide_up(beams, ASDIC_OVERVIEW_MAX_COLUMNS)};
-    out->rows = divide_up(pings, out->ping_group);
-    out->columns = divide_up(beams, out->beam_group);
+                            .ping_group = asdic_divide_up(pings, ASDIC_OVERVIEW_MAX_ROWS),
+                            .beam_group = asdic_divide_up(beams, ASDIC_OVERVIEW_MAX_COLUMNS)};
+    out->rows = asdic_divide_up(pings, out->ping_group);
+    out->columns = asdic_divide_up(beams, out->beam_group);
     out->shown_db = malloc(out->rows * out->columns * sizeof *out->shown_db);
     out->range_m = malloc(out->rows * out->columns * sizeof *out->range_m);
     out->gain_db = calloc(bins, sizeof *out->gain_db);
