@@ -5,7 +5,6 @@
 #define ASDIC_SIM_LAYERS_H
 
 #include <asdic/expected.h>
-#include <asdic/scene.h>
 
 #include <stdbool.h>
 

@@ -1,7 +1,6 @@
 #include "trial_folder.h"
 
 #include "base/context.h"
-#include "base/number.h"
 #include "base/try.h"
 #include "out/digits.h"
 #include "out/file.h"

@@ -4,8 +4,6 @@
 #ifndef ASDIC_MISSION_DATASET_LABELLED_H
 #define ASDIC_MISSION_DATASET_LABELLED_H
 
-#include "base/text.h"
-
 #include <asdic/dataset.h>
 
 /* The two forms of a picture. */
