@@ -73,6 +73,12 @@ static void put_json_detections(const serve_writer *w, const serve_answer *answe
     fputc(']', w->out);
 }
 
+/* As in track.csv, to whole nanodegrees. */
+static double head_deg(const asdic_loop_ping *ping) {
+    size_t direction = asdic_sweep_direction(&ping->sweep, ping->ping);
+    return rint(asdic_sweep_bearing_rad(&ping->sweep, direction) * 180.0 / CLI_PI * 1e9) / 1e9;
+}
+
 static void write_json(const serve_writer *w, const serve_request *request,
                        const serve_answer *answer) {
     const asdic_loop_ping *ping = answer->ping;
@@ -81,6 +87,10 @@ static void write_json(const serve_writer *w, const serve_request *request,
     for (int i = SERVE_X; i < SERVE_COLUMNS; i++) {
         fprintf(w->out, ",\"%s\":", serve_columns[i]);
         put_number(w->out, request->value[i], "null");
+    }
+    if (ping->sweep.directions) {
+        fputs(",\"head_deg\":", w->out);
+        put_number(w->out, head_deg(ping), "null");
     }
     fputs(",\"altitude_m\":", w->out);
     put_number(w->out, ping->altitude_m, "null");

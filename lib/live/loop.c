@@ -308,6 +308,7 @@ asdic_status asdic_loop_collect(asdic_loop *loop, asdic_loop_ping *out) {
                           .beams = slot->ping->beams,
                           .bins = slot->ping->bins,
                           .bin_length_m = slot->ping->bin_length_m,
+                          .sweep = asdic_mission_sweep(loop->mission),
                           .level_db = slot->level_db,
                           .parts = slot->ping};
     return ASDIC_OK;

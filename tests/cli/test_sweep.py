@@ -87,6 +87,16 @@ def check_poses(roll):
             tap.equal(data(folder, "again", name) == data(folder, "r", name), True, name)
 
 
+def test_answers_of_serve_say_where_the_head_looked():
+    program.need_device()
+    with Folder() as folder:
+        for scan, heads in ((CIRCLE, [6.0 * k - 180 for k in (*range(60), 0, 1)]),
+                            (SECTOR, [-30, -15, 0, 15, 30, 15, 0, -15, -30, -15]), ("", [None] * 3)):
+            path = scene(folder, "scan.yaml", scan)
+            out = asdic("serve", path, "--rays", "64", stdin='{"x_m": 0, "y_m": 0, "z_m": 7}\n' * len(heads)).check(code=0).out
+            tap.equal([json.loads(line).get("head_deg") for line in out.splitlines()], heads, f"head_deg of '{scan}'")
+
+
 def test_what_is_met_lies_where_it_is():
     """The pile is 120.96 degrees from north: 90.96 to starboard of the bow; its echo is at the ping
     at which the head looks there, and detections are put on it."""

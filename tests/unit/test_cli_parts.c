@@ -279,12 +279,12 @@ static const float level_db[] = {1.5f, 60.1f, NAN, -3.0f};
 static const float expected_db[] = {-INFINITY, 7.0f, 8.0f, 9.0f};
 
 static asdic_ping parts = {.intensity_lin = {[ASDIC_TOTAL] = total_lin}};
-static const asdic_loop_ping ping = {.ping = 7,
-                                     .time_s = 0.1,
-                                     .altitude_m = INFINITY,
-                                     .bin_length_m = 0.5,
-                                     .level_db = level_db,
-                                     .parts = &parts};
+static asdic_loop_ping ping = {.ping = 7,
+                               .time_s = 0.1,
+                               .altitude_m = INFINITY,
+                               .bin_length_m = 0.5,
+                               .level_db = level_db,
+                               .parts = &parts};
 static const asdic_scan_result detection = {.threshold_lin = limit_lin, .llr = llr};
 
 /* What is written of a ping and of an error on line 3, with its length. */
@@ -310,6 +310,9 @@ static size_t write_both(serve_format format, bool is_full, double time_s) {
 #define LEVELS_JSON "\"level_db\":{\"a\\\"\\\\\\u001f \":[1.5,60.0999985],\"b\":[null,-3]}"
 #define ERROR_JSON "{\"error\":\"no \\\"z\\\"\",\"line\":3}\n"
 
+/* Of a sonar that scans 30 degrees in steps of 7.5, back and forth: ping 7 is next to the port end. */
+static const asdic_sweep swing = {.directions = 5, .step_rad = 7.5 * DEGREE};
+
 static void answers_are_json(void **state) {
     (void)state;
     write_both(SERVE_JSON, false, 12.5);
@@ -323,6 +326,10 @@ static void answers_are_json(void **state) {
                         "\",\"range_m\":0.25,\"llr\":-1},{\"beam\":\"a\\\"\\\\\\u001f "
                         "\",\"range_m\":0.75,\"llr\":2.5},"
                         "{\"beam\":\"b\",\"range_m\":0.75,\"llr\":0.333333333}]}\n" ERROR_JSON);
+    ping.sweep = swing;
+    write_both(SERVE_JSON, false, 12.5);
+    ping.sweep = (asdic_sweep){0};
+    assert_non_null(strstr(written, "\"yaw_deg\":90,\"head_deg\":-7.5,\"altitude_m\":null,"));
 }
 
 #define HEAD_CSV "ping,time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg,altitude_m,error"
@@ -402,9 +409,10 @@ static void a_rule_is_told_the_pose(void **state) {
     static const struct {
         const char *key;
         double told;
-    } values[] = {{"x_m", 100.5},    {"y_m", -30.25},      {"z_m", 12.75},
-                  {"roll_deg", 7.5}, {"pitch_deg", -30.0}, {"yaw_deg", 90.0}};
+    } values[] = {{"x_m", 100.5},       {"y_m", -30.25},   {"z_m", 12.75},    {"roll_deg", 7.5},
+                  {"pitch_deg", -30.0}, {"yaw_deg", 90.0}, {"head_deg", -7.5}};
     asdic_loop_ping turned = ping;
+    turned.sweep = swing;
     turned.pose = (asdic_pose){.position_m = {100.5, -30.25, 12.75},
                                .roll_rad = 7.5 * DEGREE,
                                .pitch_rad = -30.0 * DEGREE,

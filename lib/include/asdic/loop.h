@@ -31,6 +31,7 @@ typedef struct asdic_loop_ping {
     double latency_s;  /* from submit to levels */
     size_t beams, bins;
     double bin_length_m;
+    asdic_sweep sweep;       /* of a scanned sonar's head, which is in the direction of PING */
     const float *level_db;   /* total, dB re 1 uPa, NAN without energy, [beam * bins + bin] */
     const asdic_ping *parts; /* everything else, linear */
 } asdic_loop_ping;
