@@ -22,6 +22,7 @@ static const cli_option options[] = {
     {"pose-type", 0, "TYPE", "odometry or pose: nav_msgs/Odometry, the default, or PoseStamped"},
     {"topics", 0, "NAME", "of pings: NAME/sonar, NAME/image, NAME/detections; default /asdic"},
     {"frame", 0, "NAME", "that poses must be in, east, north, up; default map"},
+    {"vehicle-frame", 0, "NAME", "that a scanned head turns in, on /tf; default base_link"},
     {"sonar-frame", 0, "NAME", "that pings are in; default sonar"},
     {"reliable", 0, NULL, "pings for subscribers that ask for reliable delivery, too"},
     {"sim-time", 0, NULL, "stamps from /clock, not the pose's"},
@@ -290,6 +291,7 @@ static int serve_topics(server *s, bool is_odometry) {
     topics.pose_topic = text_or(s->c, "pose-topic", topics.pose_topic);
     topics.out_topics = text_or(s->c, "topics", topics.out_topics);
     about.world_frame = text_or(s->c, "frame", about.world_frame);
+    about.vehicle_frame = text_or(s->c, "vehicle-frame", about.vehicle_frame);
     about.sonar_frame = text_or(s->c, "sonar-frame", about.sonar_frame);
     about.sonar = sonar;
     about.sweep = asdic_mission_sweep(s->mission);
@@ -302,8 +304,8 @@ static int serve_topics(server *s, bool is_odometry) {
 
 /* What goes with topics alone, and with lines alone. */
 static bool check_topics(cli *c) {
-    static const char *const only[] = {"pose-topic",  "pose-type", "topics",  "frame",
-                                       "sonar-frame", "reliable",  "sim-time"};
+    static const char *const only[] = {"pose-topic",    "pose-type",   "topics",   "frame",
+                                       "vehicle-frame", "sonar-frame", "reliable", "sim-time"};
     static const char *const names[] = {"pose-topic", "topics"};
     const char *word = NULL;
     for (size_t i = 0; i < sizeof only / sizeof *only && !cli_given(c, "ros2"); i++) {

@@ -43,10 +43,12 @@ struct ros2_node {
 static const struct {
     const char *end; /* of the topic's name; NULL: not sent */
     const dds_topic_descriptor_t *type;
+    bool is_shared; /* that is its whole name, and who listens asks for reliable delivery */
 } outputs[ASDIC_ROS_OUTPUT_COUNT] = {
-    [ASDIC_ROS_SONAR] = {"sonar", &marine_acoustic_msgs_msg_dds__ProjectedSonarImage__desc},
-    [ASDIC_ROS_PICTURE] = {"image", &sensor_msgs_msg_dds__Image__desc},
-    [ASDIC_ROS_DETECTIONS] = {"detections", &marine_acoustic_msgs_msg_dds__SonarDetections__desc},
+    [ASDIC_ROS_SONAR] = {"/sonar", &marine_acoustic_msgs_msg_dds__ProjectedSonarImage__desc},
+    [ASDIC_ROS_PICTURE] = {"/image", &sensor_msgs_msg_dds__Image__desc},
+    [ASDIC_ROS_DETECTIONS] = {"/detections", &marine_acoustic_msgs_msg_dds__SonarDetections__desc},
+    [ASDIC_ROS_HEAD] = {"/tf", &tf2_msgs_msg_dds__TFMessage__desc, true},
 };
 
 /* --- what the DDS says ------------------------------------------------------------------------ */
@@ -175,9 +177,10 @@ static bool open_all(ros2_node *n, const serve_ros2_options *o, const asdic_ros 
         bool is_sent = outputs[i].end && asdic_ros_has(ros, i) &&
                        (i != ASDIC_ROS_DETECTIONS || o->has_detections);
         channel *ch = &n->outputs[i];
-        snprintf(ch->name, sizeof ch->name, "%s/%s", o->out_topics,
+        snprintf(ch->name, sizeof ch->name, "%s%s", outputs[i].is_shared ? "" : o->out_topics,
                  outputs[i].end ? outputs[i].end : "");
-        if (is_sent && !open_channel(n, ch, outputs[i].type, false, o->is_reliable)) {
+        if (is_sent &&
+            !open_channel(n, ch, outputs[i].type, false, o->is_reliable || outputs[i].is_shared)) {
             return false;
         }
     }

@@ -76,7 +76,8 @@ static asdic_status send(ros2_server *s, const serve_answer *answer, int64_t tim
                                  .vehicle = answer->ping->pose,
                                  .level_db = answer->ping->level_db,
                                  .detected = s->detected};
-    const asdic_ros_output order[] = {ASDIC_ROS_SONAR, ASDIC_ROS_PICTURE, ASDIC_ROS_DETECTIONS};
+    const asdic_ros_output order[] = {ASDIC_ROS_HEAD, ASDIC_ROS_SONAR, ASDIC_ROS_PICTURE,
+                                      ASDIC_ROS_DETECTIONS};
     for (size_t i = 0; answer->detection && i < s->cells; i++) {
         s->detected[i] = serve_is_detected(answer, i);
     }

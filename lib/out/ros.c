@@ -195,7 +195,8 @@ static asdic_ros_ping_info info_of(const asdic_ros *ros) {
                                  .rx_beamwidths = {ros->widths, beams}};
 }
 
-static asdic_status put_transforms(asdic_ros *ros, const asdic_ros_ping *ping) {
+/* The way from the world to the sonar, without the first LEFT_OUT of its two steps. */
+static asdic_status put_way(asdic_ros *ros, const asdic_ros_ping *ping, size_t left_out) {
     const asdic_ros_about *a = &ros->about;
     asdic_ros_point at = point_of(ping->vehicle.position_m);
     double head_rad =
@@ -208,9 +209,17 @@ static asdic_status put_transforms(asdic_ros *ros, const asdic_ros_ping *ping) {
         {.header = header_of(ping, a->vehicle_frame),
          .child_frame_id = a->sonar_frame,
          .transform = {.rotation = sonar_rotation(head_rad)}}};
-    const asdic_ros_tfmessage message = {.transforms = {both, 2}};
+    const asdic_ros_tfmessage message = {.transforms = {both + left_out, 2 - left_out}};
     asdic_ros_write(&ros->bytes, &asdic_ros_tfmessage_type, &message);
     return ASDIC_OK;
+}
+
+static asdic_status put_transforms(asdic_ros *ros, const asdic_ros_ping *ping) {
+    return put_way(ros, ping, 0);
+}
+
+static asdic_status put_head(asdic_ros *ros, const asdic_ros_ping *ping) {
+    return put_way(ros, ping, 1);
 }
 
 static asdic_status put_pose(asdic_ros *ros, const asdic_ros_ping *ping) {
@@ -316,6 +325,7 @@ static const struct {
     [ASDIC_ROS_SONAR] = {&asdic_ros_projected_sonar_image_type, put_sonar},
     [ASDIC_ROS_PICTURE] = {&asdic_ros_image_type, put_picture},
     [ASDIC_ROS_DETECTIONS] = {&asdic_ros_sonar_detections_type, put_detections},
+    [ASDIC_ROS_HEAD] = {&asdic_ros_tfmessage_type, put_head},
 };
 
 /* The sector's box hangs on the outer beams and their neighbours alone. */
@@ -351,7 +361,8 @@ const char *asdic_ros_type_name(asdic_ros_output output) {
 
 bool asdic_ros_has(const asdic_ros *ros, asdic_ros_output output) {
     return (unsigned)output < ASDIC_ROS_OUTPUT_COUNT &&
-           (output != ASDIC_ROS_PICTURE || has_picture(&ros->sonar, &ros->about.sweep));
+           (output != ASDIC_ROS_PICTURE || has_picture(&ros->sonar, &ros->about.sweep)) &&
+           (output != ASDIC_ROS_HEAD || ros->about.sweep.directions);
 }
 
 asdic_status asdic_ros_encode(asdic_ros *ros, asdic_ros_output output, const asdic_ros_ping *ping,
@@ -363,7 +374,7 @@ asdic_status asdic_ros_encode(asdic_ros *ros, asdic_ros_output output, const asd
     if (!asdic_ros_has(ros, output)) {
         return asdic_fail(ros->ctx, ASDIC_ERROR_ARGUMENT,
                           "no output %d of this sonar; a picture needs three beams or more in the "
-                          "order of their bearings, or a scan",
+                          "order of their bearings, or a scan, and a head a scan",
                           (int)output);
     }
     TRY(outputs[output].put(ros, ping));

@@ -66,6 +66,46 @@ def test_pings_are_those_of_lines_field_by_field():
         tap.equal(sum(len(d["found"]) for d in found) > 0, True, "something is detected")
 
 
+SCAN = ball_over_sand(f"""{SONAR}, max_range_m: 20,
+  receivers: [{{name: head, yaw_deg: 10, length_h_m: 0.1, length_v_m: 0.05}}], scan: {{sector_deg: 90, step_deg: 30}},
+  transmitter: {{length_h_m: 0.1, length_v_m: 0.04}}""", 512, more="model: {terms: all}\n")
+
+
+def turned(q, v):
+    """V turned by the quaternion x, y, z, w: v + 2 w (u x v) + 2 u x (u x v)."""
+    def cross(a, b):
+        return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+    once = cross(q[:3], v)
+    return [a + 2 * q[3] * b + 2 * c for a, b, c in zip(v, once, cross(q[:3], once))]
+
+
+def test_a_scanned_head_is_where_tf_says():
+    """Back and forth, by as much from ping to ping as the scene says, from the end to port; to who asks for reliable
+    delivery, as tf2's listeners do."""
+    need()
+    with Folder() as folder:
+        for options, vehicle, sonar in (((), "base_link", "sonar"),
+                                        (("--vehicle-frame", "auv/hull", "--sonar-frame", "head"), "auv/hull", "head")):
+            with Server(folder, SCAN, *options) as server:
+                got = peer(server, folder, [POSES[0][0]] * 8, stamp=START)
+            before = int(re.search(r"^(\d+) pings;", server.said, re.M).group(1)) - 8
+            heads, pings = ([m for m in got if m.get("topic") == t] for t in ("tf", "sonar"))
+            tap.equal([m["stamp"] for m in heads], [START + i * 10**8 for i in range(8)], server.said)
+            tap.equal([m["stamp"] for m in heads], [m["stamp"] for m in pings], "stamps of both")
+            tap.equal({(m["count"], m["frame"], m["child"], *m["at"]) for m in heads}, {(1, vehicle, sonar, 0, 0, 0)},
+                      "what /tf leads from and to")
+            tap.equal({m["frame"] for m in pings}, {sonar}, "pings' frame")
+            for i, (m, ping) in enumerate(zip(heads, pings)):
+                # z, x of the sonar ahead of its head and down; x, y of the vehicle forward and to port
+                at = math.radians((-45, -15, 15, 45, 15, -15)[(before + i) % 6])
+                beam = at + math.radians(10)
+                for v, wanted in (((0, 0, 1), (math.cos(at), -math.sin(at), 0)), ((1, 0, 0), (0, 0, -1)),
+                                  (ping["directions"][0], (math.cos(beam), -math.sin(beam), 0))):
+                    off = max(abs(a - b) for a, b in zip(turned(m["q"], v), wanted))
+                    tap.equal(off < 1e-12, True, f"ping {before + i}: {v} is {off:g} off")
+            tap.lacks(server.said, "warning")
+
+
 def test_poses_stamped_clock_and_reliable_subscribers():
     need()
     with Folder() as folder:

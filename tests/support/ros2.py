@@ -70,15 +70,16 @@ class Server:
 
 
 def peer(server, folder, poses, kind="odometry", quality="best_effort", hz=0, frame="map", wait=60,
-         stamp=None, cold=False, topics=None, clockless=False):
+         stamp=None, cold=False, topics=None, clockless=False, untimed=False):
     """What the other DDS got: JSON objects. The first pose goes out beforehand until there is a ping, which
-    is not among them; not when COLD. It subscribes to TOPICS, else to all."""
+    is not among them; not when COLD. It subscribes to TOPICS, else to all. Stamps of poses begin at STAMP and are
+    0.1 s apart, are all 0 when UNTIMED, else the time."""
     server.wait_for("poses from")  # who comes first is found seconds later
     out = folder.path
     done = subprocess.run([PEER, str(server.domain), kind, quality, str(hz), frame, out,
-                           *([str(stamp)] if stamp else [])], input="\n".join(poses), text=True,
+                           *([] if stamp is None else [str(stamp)])], input="\n".join(poses), text=True,
                           capture_output=True, check=True, timeout=110,
                           env=program.environment({"PEER_WAIT_S": str(wait), "PEER_COLD": "1" if cold else None,
-                                                   "PEER_TOPICS": topics,
+                                                   "PEER_TOPICS": topics, "PEER_UNTIMED": "1" if untimed else None,
                                                    "PEER_CLOCKLESS": "1" if clockless else None}))
     return [json.loads(line) for line in done.stdout.splitlines()]

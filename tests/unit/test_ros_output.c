@@ -192,6 +192,15 @@ static void check_transforms(asdic_ros *ros, double head_rad) {
     check_vector(&m, 0.0, 0.0, 0.0);
     check_head(&m, head_rad);
     check_end(&m);
+    if (asdic_ros_has(ros, ASDIC_ROS_HEAD)) { /* its last step alone */
+        m = encode(ros, ASDIC_ROS_HEAD);
+        assert_int_equal(take_u32(&m), 1);
+        check_header(&m, "base_link");
+        check_text(&m, "sonar");
+        check_vector(&m, 0.0, 0.0, 0.0);
+        check_head(&m, head_rad);
+        check_end(&m);
+    }
 }
 
 static const asdic_sweep sweep = {.directions = 4, .step_rad = 0.2};
@@ -449,7 +458,8 @@ static void not_all_sonars_have_a_picture(void **state) {
         sonar.receivers = rows[i].beams;
         asdic_ros *ros = ros_of(&sonar, rows[i].sweep);
         for (unsigned k = 0; k < ASDIC_ROS_OUTPUT_COUNT; k++) {
-            assert_int_equal(asdic_ros_has(ros, k), k != ASDIC_ROS_PICTURE || rows[i].has);
+            bool has = k == ASDIC_ROS_HEAD ? rows[i].sweep : k != ASDIC_ROS_PICTURE || rows[i].has;
+            assert_int_equal(asdic_ros_has(ros, k), has);
         }
         assert_false(asdic_ros_has(ros, (asdic_ros_output)-1));
         assert_false(asdic_ros_has(ros, ASDIC_ROS_OUTPUT_COUNT));
@@ -484,9 +494,12 @@ static void a_pings_bytes_are_known_before(void **state) {
 static void what_is_missing_is_refused(void **state) {
     (void)state;
     static const char *const names[ASDIC_ROS_OUTPUT_COUNT] = {
-        "tf2_msgs/msg/TFMessage", "geometry_msgs/msg/PoseStamped",
-        "marine_acoustic_msgs/msg/ProjectedSonarImage", "sensor_msgs/msg/Image",
-        "marine_acoustic_msgs/msg/SonarDetections"};
+        "tf2_msgs/msg/TFMessage",
+        "geometry_msgs/msg/PoseStamped",
+        "marine_acoustic_msgs/msg/ProjectedSonarImage",
+        "sensor_msgs/msg/Image",
+        "marine_acoustic_msgs/msg/SonarDetections",
+        "tf2_msgs/msg/TFMessage"};
     asdic_ros_about about = asdic_ros_about_default();
     asdic_sonar sonar = sonar_of(BEAMS);
     asdic_ros *ros;
@@ -518,6 +531,7 @@ static void what_is_missing_is_refused(void **state) {
     }
     assert_null(asdic_ros_type_name(ASDIC_ROS_OUTPUT_COUNT));
     assert_int_not_equal(asdic_ros_encode(ros, ASDIC_ROS_OUTPUT_COUNT, &ping, &bytes, &size), 0);
+    assert_int_not_equal(asdic_ros_encode(ros, ASDIC_ROS_HEAD, &ping, &bytes, &size), 0);
     assert_int_not_equal(asdic_ros_encode(ros, ASDIC_ROS_POSE, NULL, &bytes, &size), 0);
     assert_int_not_equal(asdic_ros_encode(ros, ASDIC_ROS_POSE, &ping, NULL, &size), 0);
     assert_int_not_equal(asdic_ros_encode(ros, ASDIC_ROS_POSE, &ping, &bytes, NULL), 0);

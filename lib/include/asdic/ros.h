@@ -24,6 +24,7 @@ typedef enum asdic_ros_output {
     ASDIC_ROS_SONAR,      /* marine_acoustic_msgs/ProjectedSonarImage: float32 dB re 1 uPa */
     ASDIC_ROS_PICTURE,    /* sensor_msgs/Image: the fan in colour, rgb8 */
     ASDIC_ROS_DETECTIONS, /* marine_acoustic_msgs/SonarDetections */
+    ASDIC_ROS_HEAD,       /* tf2_msgs/TFMessage of a scan: vehicle to sonar alone */
     ASDIC_ROS_OUTPUT_COUNT
 } asdic_ros_output;
 
@@ -53,7 +54,8 @@ ASDIC_API asdic_status asdic_ros_create(asdic_context *ctx, const asdic_ros_abou
 ASDIC_API void asdic_ros_destroy(asdic_ros **ros);
 
 /* Of an output: its type, as "sensor_msgs/msg/Image", and whether there is one: a picture needs
- * three beams or more in the order of their bearings, none straight up or down, or a scan. */
+ * three beams or more in the order of their bearings, none straight up or down, or a scan; a head
+ * needs a scan. */
 ASDIC_API const char *asdic_ros_type_name(asdic_ros_output output);
 ASDIC_API bool asdic_ros_has(const asdic_ros *ros, asdic_ros_output output);
 

@@ -6,9 +6,9 @@
 // A line of the input is x y z qx qy qz qw. With HZ 0 every pose waits for its ping; else poses go out at
 // that rate, and their pings are counted and timed. OUT: a folder for what images hold, one file each.
 // PEER_WAIT_S: how long one waits for a ping, else 60. PEER_COLD: without poses beforehand. PEER_TOPICS: what it
-// subscribes to, of sonar,image,detections; pings are waited for on the image if it is among them, else on the
+// subscribes to, of sonar,image,detections,tf; pings are waited for on the image if it is among them, else on the
 // sonar. PEER_CLOCKLESS: nothing on /clock. FIRST_STAMP_NS: poses say that and 0.1 s more each; without it the
-// time at which they go out.
+// time at which they go out. PEER_UNTIMED: all of them say 0.
 #include "asdic_rosPubSubTypes.h"
 
 #include <fastdds/dds/domain/DomainParticipant.hpp>
@@ -42,6 +42,8 @@ using Image = sensor_msgs::msg::dds_::Image_;
 using ImageType = sensor_msgs::msg::dds_::Image_PubSubType;
 using Found = marine_acoustic_msgs::msg::dds_::SonarDetections_;
 using FoundType = marine_acoustic_msgs::msg::dds_::SonarDetections_PubSubType;
+using Transforms = tf2_msgs::msg::dds_::TFMessage_;
+using TransformsType = tf2_msgs::msg::dds_::TFMessage_PubSubType;
 using Pose = geometry_msgs::msg::dds_::PoseStamped_;
 using PoseType = geometry_msgs::msg::dds_::PoseStamped_PubSubType;
 using Odometry = nav_msgs::msg::dds_::Odometry_;
@@ -64,6 +66,14 @@ static double now_s() {
 
 static int64_t stamp_of(const std_msgs::msg::dds_::Header_ &header) {
     return header.stamp_().sec_() * INT64_C(1000000000) + header.stamp_().nanosec_();
+}
+
+template <typename Message> static int64_t stamp_of(const Message &m) {
+    return stamp_of(m.header_());
+}
+
+static int64_t stamp_of(const Transforms &m) {
+    return stamp_of(m.transforms_().front().header_());
 }
 
 static void keep(const char *name, size_t number, const std::vector<uint8_t> &bytes) {
@@ -107,6 +117,17 @@ static void show(const Found &m, size_t) {
     printf("]");
 }
 
+static void show(const Transforms &m, size_t) {
+    const auto &only = m.transforms_().front();
+    const auto &at = only.transform_().translation_();
+    const auto &q = only.transform_().rotation_();
+    printf("\"count\":%zu,\"frame\":\"%s\",\"child\":\"%s\",\"at\":[%.17g,%.17g,%.17g],"
+           "\"q\":[%.17g,%.17g,%.17g,%.17g]",
+           m.transforms_().size(), only.header_().frame_id_().c_str(),
+           only.child_frame_id_().c_str(), at.x_(), at.y_(), at.z_(), q.x_(), q.y_(), q.z_(),
+           q.w_());
+}
+
 template <typename Message> class Ears : public DataReaderListener {
   public:
     explicit Ears(const char *name) : name(name) {
@@ -124,7 +145,7 @@ template <typename Message> class Ears : public DataReaderListener {
   private:
     void take(const Message &message) {
         double arrived_s = now_s();
-        int64_t stamp = stamp_of(message.header_());
+        int64_t stamp = stamp_of(message);
         std::lock_guard<std::mutex> guard(lock);
         if (!sent_s.count(stamp)) {
             warm++;
@@ -175,10 +196,12 @@ class Node {
         qos.history().depth = 5;
         return publisher->create_datawriter(topic(name, type), qos);
     }
-    void reader(const char *name, TypeSupport type, DataReaderListener *ears) {
+    // RELIABLE in any case where the topic's readers are so by custom, as those of /tf.
+    void reader(const char *name, TypeSupport type, DataReaderListener *ears,
+                bool is_always_reliable = false) {
         DataReaderQos qos = DATAREADER_QOS_DEFAULT;
-        qos.reliability().kind =
-            is_reliable ? RELIABLE_RELIABILITY_QOS : BEST_EFFORT_RELIABILITY_QOS;
+        qos.reliability().kind = is_reliable || is_always_reliable ? RELIABLE_RELIABILITY_QOS
+                                                                   : BEST_EFFORT_RELIABILITY_QOS;
         qos.history().kind = KEEP_LAST_HISTORY_QOS;
         qos.history().depth = 5;
         qos.endpoint().history_memory_policy =
@@ -276,17 +299,19 @@ int main(int argc, char **argv) {
     const char *frame = argv[5];
     folder = argv[6];
     is_quiet = hz > 0.0;
-    int64_t first_ns = argc > 7 ? atoll(argv[7]) : 0;
+    bool has_first = argc > 7, is_untimed = getenv("PEER_UNTIMED");
+    int64_t first_ns = has_first ? atoll(argv[7]) : 0;
     Node node(atoi(argv[1]), std::string(argv[3]) == "reliable");
     Ears<Sonar> sonar("sonar");
     Ears<Image> image("image");
     Ears<Found> found("detections");
+    Ears<Transforms> tf("tf");
     TypeSupport sonar_type(new SonarType), image_type(new ImageType), found_type(new FoundType);
     TypeSupport pose_type(is_odometry ? static_cast<TopicDataType *>(new OdometryType)
                                       : static_cast<TopicDataType *>(new PoseType));
     TypeSupport clock_type(new ClockType);
     const char *chosen = getenv("PEER_TOPICS");
-    const std::string topics = chosen ? chosen : "sonar,image,detections";
+    const std::string topics = chosen ? chosen : "sonar,image,detections,tf";
     auto wants = [&](const char *name) { return topics.find(name) != std::string::npos; };
     const char *awaited = wants("image") ? "image" : "sonar";
     if (wants("sonar")) {
@@ -298,6 +323,9 @@ int main(int argc, char **argv) {
     if (wants("detections")) {
         node.reader("rt/asdic/detections", found_type, &found);
     }
+    if (wants("tf")) {
+        node.reader("rt/tf", TypeSupport(new TransformsType), &tf, true);
+    }
     DataWriter *poses = node.writer("rt/asdic/pose", pose_type);
     DataWriter *clock = node.writer("rt/clock", clock_type);
     Sender sender = {poses, getenv("PEER_CLOCKLESS") ? nullptr : clock, is_odometry, frame};
@@ -306,10 +334,12 @@ int main(int argc, char **argv) {
     size_t count = 0;
     while (std::cin >> v[0] >> v[1] >> v[2] >> v[3] >> v[4] >> v[5] >> v[6]) {
         if (count == 0 && !getenv("PEER_COLD")) {
-            warm_up(sender, v, first_ns ? first_ns : wall_ns());
+            warm_up(sender, v, has_first ? first_ns : wall_ns());
         }
         began_s = count ? began_s : now_s();
-        int64_t stamp = first_ns ? first_ns + static_cast<int64_t>(count) * 100000000 : wall_ns();
+        int64_t stamp = is_untimed  ? 0
+                        : has_first ? first_ns + static_cast<int64_t>(count) * 100000000
+                                    : wall_ns();
         int32_t clock_s = static_cast<int32_t>(1000 + count);
         size_t had;
         {
