@@ -12,15 +12,17 @@
 #define SPEED 1500.0
 
 /* TIMES each of BEAMS, one list of them after the other, the later ones TURN_DEG more to starboard each. */
+#define BEAM_M 0.75 /* 1.02 degrees at 100 kHz */
+
 static uint32_t rays_of_alike(size_t beams, double sector_deg, double pitch_step_deg,
                               double range_m, asdic_rays_over over, size_t times, double turn_deg) {
     static asdic_beam receivers[MOST];
     asdic_sonar sonar = asdic_sonar_default();
+    sonar.transmitter.length_h_m = BEAM_M;
     for (size_t k = 0; k < times * beams; k++) {
         size_t i = k % beams;
         double at = (i + 0.5) / (double)beams - 0.5, turn = (double)(k / beams) * turn_deg;
         receivers[k] = sonar.transmitter;
-        receivers[k].length_h_m = 0.75; /* 1.02 degrees */
         receivers[k].yaw_rad = (at * sector_deg + turn) * 3.14159265 / 180.0;
         receivers[k].pitch_rad = i * pitch_step_deg * 3.14159265 / 180.0;
     }
@@ -179,6 +181,48 @@ static void error_is_foretold(void **state) {
     }
 }
 
+/* Up to eight beams under a transmitter of four times their width or more take 20 rays a cell, and the error falls with
+ * the rays to the power of 3/4. One narrower, a ninth beam or a mesh make an end of that. */
+static void few_beams_under_a_wide_transmitter_ask_for_more(void **state) {
+    (void)state;
+    static asdic_beam beams[16];
+    asdic_sonar sonar = asdic_sonar_default();
+    sonar.receivers = beams;
+    sonar.bin_length_m = 0.1;
+    sonar.ping_rate_hz = SPEED / (2.0 * 50.0); /* 500 bins */
+    for (size_t i = 0; i < 16; i++) {
+        beams[i] = sonar.transmitter;
+        beams[i].length_h_m = BEAM_M;
+        beams[i].yaw_rad = 0.1 * (double)(i / 2);
+    }
+    static const struct {
+        size_t beams;
+        double sent_m;
+        uint32_t rays;
+        asdic_rays_over over;
+    } cases[] = {{8, 0.05, 40000, ASDIC_OVER_PLANES},  {8, 0.05, 40000, ASDIC_OVER_MIRRORS},
+                 {14, 0.05, 70000, ASDIC_OVER_PLANES}, {14, 0.18, 70000, ASDIC_OVER_PLANES},
+                 {14, 0.2, 20000, ASDIC_OVER_PLANES},  {14, 0.05, 400000, ASDIC_OVER_MESHES}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        sonar.receiver_count = cases[i].beams;
+        sonar.transmitter.length_h_m = cases[i].sent_m;
+        uint32_t rays = asdic_rays_auto(&sonar, SPEED, cases[i].over);
+        assert_int_equal(rays, cases[i].rays);
+        if (rays < 400000 && rays > 20000) {
+            double error_db = asdic_rays_error_db(&sonar, SPEED, cases[i].over, rays);
+            assert_close_relative(error_db, 0.5, 1e-6);
+            error_db = asdic_rays_error_db(&sonar, SPEED, cases[i].over, 16 * rays);
+            assert_close_relative(error_db, 0.0625, 1e-6);
+        }
+    }
+    sonar.transmitter.length_h_m = 0.05;
+    sonar.receiver_count = 16; /* eight ways */
+    assert_int_equal(asdic_rays_auto(&sonar, SPEED, ASDIC_OVER_PLANES), 80000);
+    beams[15].yaw_rad =
+        1.0; /* nine: 4 rays a cell, of a sector 57 degrees wide and an eighth more */
+    assert_in_range(asdic_rays_auto(&sonar, SPEED, ASDIC_OVER_PLANES), 120000, 135000);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(overlap_asks_for_nothing),
@@ -191,6 +235,7 @@ int main(void) {
         cmocka_unit_test(meshes_ask_for_more),
         cmocka_unit_test(the_way_a_fan_looks_does_not_count),
         cmocka_unit_test(error_is_foretold),
+        cmocka_unit_test(few_beams_under_a_wide_transmitter_ask_for_more),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
