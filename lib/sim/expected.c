@@ -212,8 +212,25 @@ static asdic_status compute_straight(asdic_context *ctx, const asdic_flat_laws *
 /* What many places share. */
 typedef struct among {
     asdic_ring_shelf *shelf;
-    bool is_quick; /* the wavelength is rounded, rays that bend are fewer */
+    bool is_quick;   /* the wavelength is rounded, rays that bend are fewer */
+    double step_rad; /* between attitudes of profiles; 0: they are of this very attitude */
 } among;
+
+static double on_grid(double x, double step) {
+    return step > 0.0 ? round(x / step) * step : x;
+}
+
+static double axis_elevation(const asdic_face *face) {
+    return asin(fmin(fmax(face->world_to_face.m[0][2], -1.0), 1.0));
+}
+
+/* By how much RING looks lower than KEPT, the same in another attitude: of its aperture that is narrower in the
+ * horizontal, whose azimuth is that of the echoes. */
+static double lower_than(const asdic_ring *kept, const asdic_ring *ring) {
+    return ring->receiver.length_h_wl < ring->transmitter.length_h_wl
+               ? axis_elevation(&ring->transmitter) - axis_elevation(&kept->transmitter)
+               : axis_elevation(&ring->receiver) - axis_elevation(&kept->receiver);
+}
 
 /* The boundaries and the water. */
 static asdic_status compute_echoes(asdic_context *ctx, const among *with,
@@ -229,11 +246,19 @@ static asdic_status compute_echoes(asdic_context *ctx, const among *with,
     if (with->is_quick) {
         wavelength_m = exp2(round(WAVELENGTHS * log2(wavelength_m)) / WAVELENGTHS);
     }
+    const asdic_pose kept = {.roll_rad = on_grid(pose->roll_rad, with->step_rad),
+                             .pitch_rad = on_grid(pose->pitch_rad, with->step_rad),
+                             .yaw_rad = pose->yaw_rad};
     for (size_t b = 0; b < ping->beams; b++) {
-        rings[b] = aim(sonar, b, pose, wavelength_m);
+        rings[b] = aim(sonar, b, &kept, wavelength_m);
+    }
+    asdic_status status = asdic_ring_shelf_take(with->shelf, rings, ping->beams, &view.profiles);
+    for (size_t b = 0; b < ping->beams && !status; b++) {
+        asdic_ring ring = aim(sonar, b, pose, wavelength_m);
+        asdic_ring_profile_lower(view.profiles[b], lower_than(&rings[b], &ring));
+        rings[b] = ring;
     }
     view.rings = rings;
-    asdic_status status = asdic_ring_shelf_take(with->shelf, rings, ping->beams, &view.profiles);
     if (!status) {
         status = asdic_environment_bends(env)
                      ? asdic_expected_bent(ctx, laws, env, sonar, &view, ping)
@@ -299,10 +324,10 @@ static asdic_status compute(asdic_context *ctx, const among *with,
 }
 
 asdic_status asdic_expected_compute_among(asdic_context *ctx, asdic_ring_shelf *shelf,
-                                          const asdic_expected_place *place,
+                                          const asdic_expected_place *place, double step_rad,
                                           const asdic_environment *env, const asdic_sonar *sonar,
                                           asdic_ping *ping) {
-    return compute(ctx, &(among){shelf, true}, place, env, sonar, ping);
+    return compute(ctx, &(among){shelf, true, step_rad}, place, env, sonar, ping);
 }
 
 asdic_status asdic_expected_compute(asdic_context *ctx, const asdic_flat_scene *flat,
@@ -314,13 +339,9 @@ asdic_status asdic_expected_compute(asdic_context *ctx, const asdic_flat_scene *
     const asdic_expected_place place = {*flat, *pose};
     asdic_ring_shelf *shelf = NULL;
     TRY(asdic_ring_shelf_create(ctx, 1, &shelf));
-    asdic_status status = compute(ctx, &(among){shelf, false}, &place, env, sonar, ping);
+    asdic_status status = compute(ctx, &(among){shelf, false, 0.0}, &place, env, sonar, ping);
     asdic_ring_shelf_destroy(&shelf);
     return status;
-}
-
-static double on_grid(double x, double step) {
-    return step > 0.0 ? round(x / step) * step : x;
 }
 
 asdic_expected_place asdic_expected_place_on_grid(const asdic_flat_scene *flat,

@@ -36,6 +36,7 @@ struct asdic_ring_profile {
     double cosines[4 * TERMS]; /* of pi i / (2 TERMS) */
     piece *pieces;
     size_t count, capacity;
+    double lower_rad; /* than the ring that was summed */
 };
 
 static double elevation_at(const stretch *w, double s) {
@@ -194,6 +195,10 @@ void asdic_ring_profile_destroy(asdic_ring_profile **profile) {
     }
 }
 
+void asdic_ring_profile_lower(asdic_ring_profile *profile, double lower_rad) {
+    profile->lower_rad = lower_rad;
+}
+
 /* The piece that holds ELEVATION_RAD, and the position in it, [-1, 1]. */
 static const piece *find_piece(const asdic_ring_profile *p, double elevation_rad, double *x) {
     size_t at = 0;
@@ -218,6 +223,7 @@ static const piece *find_piece(const asdic_ring_profile *p, double elevation_rad
 
 double asdic_ring_profile_sum(const asdic_ring_profile *profile, double elevation_rad) {
     double x;
+    elevation_rad -= profile->lower_rad;
     const piece *found = find_piece(profile, elevation_rad, &x);
     double sum = evaluate(found->sum, TERMS, x);
     return sum > NULL_SHARE * found->largest ? sum : asdic_ring_sum(&profile->ring, elevation_rad);
@@ -225,6 +231,7 @@ double asdic_ring_profile_sum(const asdic_ring_profile *profile, double elevatio
 
 double asdic_ring_profile_solid_angle(const asdic_ring_profile *profile, double elevation_rad) {
     double x;
+    elevation_rad -= profile->lower_rad;
     const piece *found = find_piece(profile, elevation_rad, &x);
     return found->before + evaluate(found->integral, TERMS + 1, x);
 }

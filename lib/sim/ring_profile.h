@@ -13,6 +13,10 @@ asdic_status asdic_ring_profile_create(asdic_context *ctx, const asdic_ring *rin
                                        asdic_ring_profile **out);
 void asdic_ring_profile_destroy(asdic_ring_profile **profile);
 
+/* The profile from now on is that of rings that look LOWER_RAD lower, as of a vehicle that has turned so little that
+ * the ring is only moved in elevation. */
+void asdic_ring_profile_lower(asdic_ring_profile *profile, double lower_rad);
+
 /* asdic_ring_sum, to a relative 1e-6 also in the nulls of a pattern. */
 double asdic_ring_profile_sum(const asdic_ring_profile *profile, double elevation_rad);
 

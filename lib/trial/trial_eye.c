@@ -13,11 +13,12 @@
 
 /* Expected levels are those of the nearest place on a grid, so that they are a function of the place
  * alone, whatever was flown before. The steps are fine: the echo from straight below ends at the
- * edge of a bin. */
+ * edge of a bin, and a beam of half a degree falls by up to 3 dB a mrad. */
 #define STEP_M 1e-3
-#define STEP_RAD (0.1 * ASDIC_PI / 180.0)
-/* Attitudes of which a beam's profile is kept, some 40 kB. */
+#define STEP_RAD (1e-4 * ASDIC_PI / 180.0)
+/* Attitudes of which a beam's profile is kept, some 40 kB, and from one to the next. */
 #define ATTITUDES 256
+#define PROFILE_STEP_RAD (0.05 * ASDIC_PI / 180.0)
 
 static void forget_places(asdic_eye *eye) {
     for (size_t i = 0; i < ASDIC_EYE_PLACES; i++) {
@@ -144,8 +145,8 @@ static asdic_status expect(asdic_eye *eye, const asdic_expected_place *place) {
     eye_place *kept = &eye->places[slot_of(place)];
     size_t cells = eye->sonar.receiver_count * eye->known;
     if (!kept->total_lin || !asdic_expected_is_near(place, &kept->place, 0.0, 0.0)) {
-        TRY(asdic_expected_compute_among(eye->ctx, eye->shelf, place, &eye->environment,
-                                         &eye->sonar, eye->scratch));
+        TRY(asdic_expected_compute_among(eye->ctx, eye->shelf, place, PROFILE_STEP_RAD,
+                                         &eye->environment, &eye->sonar, eye->scratch));
         kept->total_lin = kept->total_lin ? kept->total_lin : malloc(2 * cells * sizeof(double));
         if (!kept->total_lin) {
             return asdic_fail_memory(eye->ctx, "expected levels");

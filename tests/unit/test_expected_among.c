@@ -68,8 +68,8 @@ static void compute(setup *s, double depth_m, double pitch_deg) {
     s->place.flat.depth_m = depth_m;
     s->place.flat.altitude_m = 20.0 - depth_m;
     s->place.pose.pitch_rad = pitch_deg * DEGREE;
-    assert_ok(s->ctx, asdic_expected_compute_among(s->ctx, s->shelf, &s->place, &s->env, &s->sonar,
-                                                   s->among));
+    assert_ok(s->ctx, asdic_expected_compute_among(s->ctx, s->shelf, &s->place, 0.0, &s->env,
+                                                   &s->sonar, s->among));
 }
 
 static void compare(setup *s, double depth_m, double pitch_deg) {

@@ -73,7 +73,7 @@ static asdic_status expect(asdic_detect_job *job, const asdic_record *record) {
         return ASDIC_OK;
     }
     job->place = place;
-    return asdic_expected_compute_among(job->ctx, job->shelf, &place, job->info.environment,
+    return asdic_expected_compute_among(job->ctx, job->shelf, &place, 0.0, job->info.environment,
                                         job->info.sonar, job->expected);
 }
 
