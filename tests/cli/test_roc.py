@@ -302,6 +302,49 @@ output: {{images: []}}
         tap.equal(abs(told - float(ping["level_db"])) < 0.5, True, f"{told} dB of {ping['level_db']}")
 
 
+MIRRORED = """version: 1
+environment: {wind_speed_kn: 0}
+bottom: {depth_m: 12, type: rock}
+sonar:
+  frequency_khz: 100
+  bandwidth_khz: 1
+  ping_rate_hz: 12
+  source_level_db: 200
+  receivers: [{name: ahead}]
+  speckle: k
+  speckle_shape: 0.5
+mission: {pose: {position_m: [0, 0, 7]}}
+sampling: {rays: 6000, multipath: boundaries}
+detector: {pfa: 1.0e-2}
+output: {images: []}
+"""
+
+
+def test_mirrors_have_no_texture():
+    """As speckle is drawn: the threshold over them was that of K speckle alone. One look of K of shape 1/2 over a share
+    f without texture: P(z > t) is the mean of exp(-t / (f + (1 - f) x^2)) over normal x."""
+    need_device()
+    with Folder() as folder:
+        folder.write("mirrored.yaml", MIRRORED)
+        asdic("run", "mirrored.yaml", "-o", "out", "-q", cwd=folder.path).check(0)
+        row = rows(folder / "out/bins.csv")[84]
+        lin = {k: 10 ** (0.1 * float(row[f"{k}_db"])) for k in ("bottom", "surface", "volume", "multipath", "noise")
+               if row[f"{k}_db"]}
+        f = (lin["multipath"] + lin["noise"]) / sum(lin.values())
+        tap.equal(f > 0.5, True, f"a share of {f} by way of mirrors")
+        done = asdic("roc", "mirrored.yaml", "--range", "42.2", "--strength", "0", "--trials", "1000", "-o", "roc", "--json",
+                     "-q", cwd=folder.path).check(0)
+        curve, = json.loads(done.out)
+        for point in curve["curve"]:
+            design = point["design_pfa"]
+            if not 1e-5 < design < 0.2:
+                continue
+            t = 10 ** (0.1 * (point["threshold_db"] - curve["background_db"]))
+            pfa = sum(0.01 * math.exp(-t / (f + (1 - f) * x * x) - 0.5 * x * x) / math.sqrt(2 * math.pi)
+                      for x in (0.01 * i for i in range(-900, 901)))
+            tap.equal(0.97 < pfa / design < 1.03, True, f"P_FA {pfa} designed {design}")
+
+
 def test_bearings_are_from_the_bow():
     """Of a sonar whose head turns: a target is on its axis when the head looks there, and hardly heard beside it."""
     need_device()

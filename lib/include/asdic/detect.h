@@ -31,10 +31,12 @@ typedef struct asdic_background {
     double mean_lin;    /* mu0: reverberation and noise, > 0 */
     unsigned looks;     /* 1..1000; a sum of m equal cells is m times a Gamma(m) mean */
     double shape;       /* of K-distributed reverberation, 0.05..1000; INFINITY: Rayleigh */
-    double noise_share; /* of mean_lin, without texture: noise; 0..1, read for K only */
+    double noise_share; /* of mean_lin, without texture: noise, and echoes by way of mirrors or of
+                         * objects, as the simulator draws them; 0..1, read for K only */
 } asdic_background;
 
-/* Looks that SONAR has at a bin, its speckle's shape, and the noise's share of a mean. */
+/* Looks that SONAR has at a bin, its speckle's shape, and the share of a mean that NOISE_LIN is:
+ * all of it that has no texture. */
 ASDIC_API asdic_background asdic_background_of(const asdic_sonar *sonar, double sound_speed_mps,
                                                double mean_lin, double noise_lin);
 

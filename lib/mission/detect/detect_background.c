@@ -46,7 +46,10 @@ static const struct {
     size_t count;
     asdic_component parts[MOST_PARTS];
 } kinds[] = {
-    [ASDIC_BACKDROP_EMPTY] = {"background.npy", "the background", 1, {ASDIC_TOTAL}},
+    [ASDIC_BACKDROP_EMPTY] = {"background.npy",
+                              "the background",
+                              2,
+                              {ASDIC_TOTAL, ASDIC_MULTIPATH}},
     [ASDIC_BACKDROP_PARTS] = {"parts.npy",
                               "what coherent pings are made of",
                               MOST_PARTS,
@@ -72,6 +75,7 @@ struct asdic_backdrop {
     uint64_t rays_done;
     char *bytes;                      /* a record */
     double *mean_lin, *variance_lin2; /* of the record; the variance of its own rays alone */
+    double *mirrored_lin;             /* what of the mean came by way of mirrors */
     double *missed_lin2; /* the variance that each bin's neighbours take for what they missed */
     size_t read;         /* the ping in them; SIZE_MAX: none */
     uint64_t errors[ERROR_STEPS], error_count; /* of the bins that were read */
@@ -273,9 +277,11 @@ static asdic_status prepare(asdic_backdrop *b) {
     b->path = asdic_folder_file(b->run->folder, kinds[b->kind].file);
     b->bytes = malloc(b->record_bytes);
     b->mean_lin = malloc(b->cells * sizeof *b->mean_lin);
+    b->mirrored_lin = malloc(b->cells * sizeof *b->mirrored_lin);
     b->variance_lin2 = malloc(b->cells * sizeof *b->variance_lin2);
     b->missed_lin2 = malloc(b->cells * sizeof *b->missed_lin2);
-    return b->path && b->bytes && b->mean_lin && b->variance_lin2 && b->missed_lin2
+    return b->path && b->bytes && b->mean_lin && b->mirrored_lin && b->variance_lin2 &&
+                   b->missed_lin2
                ? ASDIC_OK
                : asdic_fail_memory(b->run->ctx, "a background");
 }
@@ -315,6 +321,7 @@ void asdic_backdrop_close(asdic_backdrop **backdrop) {
     free(b->path);
     free(b->bytes);
     free(b->mean_lin);
+    free(b->mirrored_lin);
     free(b->variance_lin2);
     free(b->missed_lin2);
     free(b);
@@ -329,10 +336,11 @@ static double missed_of(double mean_lin, double variance_lin2) {
 }
 
 static void take_record(asdic_backdrop *b) {
-    const float *level = levels_of(b, 0), *error = levels_of(b, 1);
+    const float *level = levels_of(b, 0), *mirrored = levels_of(b, 1), *error = levels_of(b, 2);
     for (size_t i = 0; i < b->cells; i++) {
         bool is_known = !isnan(level[i]);
         b->mean_lin[i] = is_known ? pow(10.0, 0.1 * (double)level[i]) : 0.0;
+        b->mirrored_lin[i] = isnan(mirrored[i]) ? 0.0 : pow(10.0, 0.1 * (double)mirrored[i]);
         double share = isnan(error[i]) ? 0.0 : (double)error[i] * 0.1 * log(10.0);
         b->variance_lin2[i] = pow(share * b->mean_lin[i], 2);
         b->missed_lin2[i] = missed_of(b->mean_lin[i], b->variance_lin2[i]);
@@ -383,9 +391,11 @@ static asdic_status need_record(asdic_backdrop *b, size_t index) {
     return ASDIC_OK;
 }
 
-asdic_status asdic_backdrop_read(asdic_backdrop *b, size_t index, const double **mean_lin) {
+asdic_status asdic_backdrop_read(asdic_backdrop *b, size_t index, const double **mean_lin,
+                                 const double **mirrored_lin) {
     TRY(need_record(b, index));
     *mean_lin = b->mean_lin;
+    *mirrored_lin = b->mirrored_lin;
     return ASDIC_OK;
 }
 

@@ -21,8 +21,10 @@ asdic_status asdic_backdrop_open(asdic_run *run, asdic_backdrop_kind kind,
                                  asdic_backdrop **out);
 void asdic_backdrop_close(asdic_backdrop **backdrop);
 
-/* Of the run's ping INDEX the mean intensity, [beam * bins + bin], valid until the next call. */
-asdic_status asdic_backdrop_read(asdic_backdrop *backdrop, size_t index, const double **mean_lin);
+/* Of the run's ping INDEX the mean intensity, and what of it came by way of mirrors, [beam * bins + bin], valid until
+ * the next call. */
+asdic_status asdic_backdrop_read(asdic_backdrop *backdrop, size_t index, const double **mean_lin,
+                                 const double **mirrored_lin);
 
 /* Points the parts of RECORD, the run's ping INDEX, to those of a backdrop of parts, valid until the next call. */
 asdic_status asdic_backdrop_tell(asdic_backdrop *backdrop, size_t index, asdic_record *record);

@@ -69,7 +69,7 @@ asdic_background asdic_detect_rest(const asdic_detect_job *job, size_t cell) {
 static asdic_background null_of(const asdic_detect_job *job, size_t cell) {
     return asdic_background_of(job->info.sonar, job->sound_speed_mps,
                                asdic_scan_get(job->scan).background_lin[cell],
-                               job->noise_lin[cell]);
+                               job->fixed_lin[cell]);
 }
 
 bool asdic_detect_is_unknown(const asdic_detect_job *job) {

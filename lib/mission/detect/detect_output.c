@@ -324,7 +324,7 @@ asdic_status asdic_detect_add_to_map(asdic_detect_job *job, const asdic_record *
                              .bins = job->info.bins,
                              .intensity_lin = job->intensity_lin,
                              .background_lin = asdic_scan_get(job->scan).background_lin,
-                             .noise_lin = job->noise_lin,
+                             .noise_lin = job->fixed_lin,
                              .snr_db = job->detector.snr_db};
     return asdic_occupancy_add(job->ctx, job->map, &look);
 }

@@ -81,17 +81,23 @@ static asdic_status expect(asdic_detect_job *job, const asdic_record *record) {
  * sampling of either. MEAN_LIN is NULL with CFAR. */
 static asdic_status find_background(asdic_detect_job *job, size_t index, const asdic_record *record,
                                     const double **mean_lin) {
+    size_t cells = job->info.beams * job->info.bins;
     *mean_lin = NULL;
-    for (size_t i = 0; i < job->info.beams * job->info.bins; i++) {
+    for (size_t i = 0; i < cells; i++) {
         job->error_db[i] = isnan(record->stderr_db[i]) ? 0.0f : record->stderr_db[i];
     }
+    memcpy(job->fixed_lin, job->noise_lin, cells * sizeof *job->fixed_lin);
     if (job->expected) {
         TRY(expect(job, record));
         *mean_lin = job->expected->intensity_lin[ASDIC_TOTAL];
     }
     if (job->backdrop) {
-        TRY(asdic_backdrop_read(job->backdrop, index, mean_lin));
+        const double *mirrored_lin;
+        TRY(asdic_backdrop_read(job->backdrop, index, mean_lin, &mirrored_lin));
         asdic_backdrop_add_error(job->backdrop, job->error_db);
+        for (size_t i = 0; i < cells; i++) {
+            job->fixed_lin[i] += mirrored_lin[i];
+        }
     }
     return ASDIC_OK;
 }
@@ -104,7 +110,7 @@ static asdic_status take_ping(asdic_detect_job *job, size_t index, const asdic_r
     read_truth(job, record);
     asdic_scan_set_sound_speed(job->scan, job->sound_speed_mps);
     TRY(find_background(job, index, record, &mean));
-    TRY(asdic_scan_ping(job->scan, job->intensity_lin, mean, job->noise_lin, job->error_db));
+    TRY(asdic_scan_ping(job->scan, job->intensity_lin, mean, job->fixed_lin, job->error_db));
     asdic_scan_result result = asdic_scan_get(job->scan);
     for (size_t i = 0; i < job->info.beams * job->info.bins; i++) {
         job->detected[i] = job->intensity_lin[i] > result.threshold_lin[i]; /* not when NAN */
@@ -123,7 +129,7 @@ static asdic_status take_ping(asdic_detect_job *job, size_t index, const asdic_r
 
 static asdic_status allocate(asdic_detect_job *job) {
     size_t cells = job->info.beams * job->info.bins;
-    job->intensity_lin = calloc(4 * cells, sizeof *job->intensity_lin);
+    job->intensity_lin = calloc(5 * cells, sizeof *job->intensity_lin);
     job->truth = calloc(cells, sizeof *job->truth);
     job->label = calloc(cells, sizeof *job->label);
     job->detected = calloc(cells, sizeof *job->detected);
@@ -144,6 +150,7 @@ static asdic_status allocate(asdic_detect_job *job) {
     job->noise_lin = job->intensity_lin + cells;
     job->rest_lin = job->noise_lin + cells;
     job->object_lin = job->rest_lin + cells;
+    job->fixed_lin = job->object_lin + cells;
     job->track_east_m = job->track_north_m + job->info.pings + 1;
     return ASDIC_OK;
 }

@@ -59,7 +59,8 @@ typedef struct scene_job {
     asdic_ping *ping;     /* simulated, its total without speckle */
     asdic_ping *expected; /* the null hypothesis */
     asdic_uncertainty uncertainty;
-    double *rest_lin; /* simulated: all but the echoes of the object, or objects */
+    double *rest_lin;  /* simulated: all but the echoes of the object, or objects */
+    double *fixed_lin; /* what of it K speckle gives no texture: noise, mirrors, other objects */
 } scene_job;
 
 asdic_roc_options asdic_roc_options_default(void) {
@@ -159,24 +160,25 @@ static asdic_status expect(scene_job *job) {
     bool is_mesh = flat.has_bottom && !info.has_bottom_plane;
     job->is_plane = !is_mesh && !asdic_flat_scene_mirrors(&flat, &m->settings.sampling);
     TRY(asdic_ping_create(job->ctx, job->beams, job->bins, &job->expected));
-    job->rest_lin = calloc(job->beams * job->bins, sizeof *job->rest_lin);
+    job->rest_lin = calloc(2 * job->beams * job->bins, sizeof *job->rest_lin);
     if (!job->rest_lin) {
         return asdic_fail_memory(job->ctx, "a background");
     }
+    job->fixed_lin = job->rest_lin + job->beams * job->bins;
     if (job->is_plane) {
         TRY(asdic_expected_compute(job->ctx, &flat, &m->settings.environment, &job->sonar,
                                    &job->pose, job->expected));
     }
     double *const *part = job->ping->intensity_lin;
     for (size_t i = 0; i < job->beams * job->bins; i++) {
-        job->rest_lin[i] = part[ASDIC_BOTTOM][i] + part[ASDIC_SURFACE][i] + part[ASDIC_VOLUME][i] +
-                           part[ASDIC_MULTIPATH][i] + part[ASDIC_NOISE][i];
+        job->fixed_lin[i] = part[ASDIC_MULTIPATH][i] + part[ASDIC_NOISE][i];
         if (job->number) {
-            job->rest_lin[i] += part[ASDIC_OBJECT][i] - object_lin(job, i);
+            job->fixed_lin[i] += part[ASDIC_OBJECT][i] - object_lin(job, i);
         }
+        job->rest_lin[i] = part[ASDIC_BOTTOM][i] + part[ASDIC_SURFACE][i] + part[ASDIC_VOLUME][i] +
+                           job->fixed_lin[i];
         if (!job->is_plane) {
             job->expected->intensity_lin[ASDIC_TOTAL][i] = job->rest_lin[i];
-            job->expected->intensity_lin[ASDIC_NOISE][i] = part[ASDIC_NOISE][i];
         }
     }
     return ASDIC_OK;
@@ -280,9 +282,10 @@ static double background_error_db(const scene_job *job, size_t cell, double sign
 
 static asdic_roc_case case_of(const scene_job *job, size_t cell) {
     double mean = job->expected->intensity_lin[ASDIC_TOTAL][cell];
-    double noise = job->expected->intensity_lin[ASDIC_NOISE][cell];
-    asdic_roc_case c = {
-        .none = asdic_background_of(&job->sonar, job->water.sound_speed_mps, mean, noise)};
+    const double *fixed_lin =
+        job->is_plane ? job->expected->intensity_lin[ASDIC_NOISE] : job->fixed_lin;
+    asdic_roc_case c = {.none = asdic_background_of(&job->sonar, job->water.sound_speed_mps, mean,
+                                                    fixed_lin[cell])};
     c.rest = c.none;
     c.background_most_db = background_error_db(job, cell, 1.0);
     c.background_least_db = background_error_db(job, cell, -1.0);
@@ -399,9 +402,9 @@ static asdic_roc_case target_in(const scene_job *job, size_t beam, size_t cell) 
     const asdic_roc_options *o = job->options;
     asdic_roc_case c = case_of(job, cell);
     if (o->object) {
-        double noise = job->ping->intensity_lin[ASDIC_NOISE][cell];
         c.rest = asdic_background_of(&job->sonar, job->water.sound_speed_mps,
-                                     fmax(job->rest_lin[cell], 1e-12 * c.none.mean_lin), noise);
+                                     fmax(job->rest_lin[cell], 1e-12 * c.none.mean_lin),
+                                     job->fixed_lin[cell]);
         c.target_lin = object_lin(job, cell);
         double db = job->uncertainty.db[ASDIC_OBJECT];
         c.target_error_db = isnan(db) ? 0.0 : db;
