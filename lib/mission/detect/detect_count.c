@@ -236,8 +236,10 @@ void asdic_detect_finish_report(asdic_detect_job *job) {
     const asdic_detect_class *none = &r->classes[objects_of(job) + NONE];
     /* False alarms come in clumps, since beams and bins share speckle. The sum of N clumps of
      * random sizes has a variance of N times the mean square size, as if there were fewer alarms,
-     * each independent. */
+     * each independent. Coherent scatterers stay where they are, and so may alarms in every ping: all pings tell
+     * no less than one. */
     double each = job->false_squares > 0.0 ? job->false_bins / job->false_squares : 1.0;
+    each /= r->is_coherent ? (double)r->pings : 1.0;
     r->pfa = asdic_estimate_of((uint64_t)llround(each * (double)none->detected),
                                (uint64_t)llround(each * (double)none->bins));
     r->pfa.value = (double)none->detected / (double)none->bins;
