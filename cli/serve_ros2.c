@@ -18,6 +18,7 @@ typedef struct ros2_server {
     size_t cells;
     bool *detected;
     int64_t period_ns, due_ns, last_ns; /* by the poses' stamps */
+    int64_t made_ns;                    /* when the last ping was, by this machine's clock */
     int64_t without_clock_ns;           /* when the first pose came; 0: none did */
     uint64_t pings, passed;
     const char *frame;
@@ -30,10 +31,9 @@ static int64_t wall_ns(void) {
     return (int64_t)now.tv_sec * 1000000000 + now.tv_nsec;
 }
 
-/* When the ping is: the pose's time, or /clock's; false before the first clock. A pose without a time is of
- * now. */
+/* When the ping is: the pose's time, or /clock's; false before the first clock. */
 static bool find_time(ros2_server *s, const asdic_ros_stamped *pose, int64_t *out) {
-    *out = pose->time_ns ? pose->time_ns : wall_ns();
+    *out = pose->time_ns;
     bool good = !s->options->has_sim_time || ros2_node_clock(s->node, out);
     if (!good && !s->without_clock_ns) {
         s->without_clock_ns = wall_ns();
@@ -46,15 +46,20 @@ static bool find_time(ros2_server *s, const asdic_ros_stamped *pose, int64_t *ou
 }
 
 /* The sonar pings at its own rate, however often poses come: the first pose within a tenth of the
- * period of the next ping's time is it. Time that leaps back begins anew. */
+ * period of the next ping's time is it. Time that leaps back begins anew. A stamp of 0 is ROS's "no
+ * time", or a simulator's first: after another one poses are timed by when they come. */
 static bool is_due(ros2_server *s, int64_t time_ns) {
+    bool is_untimed = !s->options->has_sim_time && time_ns == 0 && s->last_ns == 0;
     bool leapt = time_ns < s->last_ns;
-    if (s->pings && !leapt && time_ns < s->due_ns - s->period_ns / 10) {
+    int64_t now_ns = wall_ns();
+    int64_t left_ns = is_untimed ? s->made_ns + s->period_ns - now_ns : s->due_ns - time_ns;
+    if (s->pings && !leapt && left_ns > s->period_ns / 10) {
         return false;
     }
-    bool is_late = !s->pings || leapt || time_ns > s->due_ns + s->period_ns;
+    bool is_late = !s->pings || leapt || is_untimed || left_ns < -s->period_ns;
     s->due_ns = (is_late ? time_ns : s->due_ns) + s->period_ns;
     s->last_ns = time_ns;
+    s->made_ns = now_ns;
     return true;
 }
 

@@ -201,12 +201,36 @@ def test_a_quaternion_of_no_length_is_told_once():
 def test_the_sonar_keeps_its_own_rate():
     """Poses every 100 ms are pings every 325 ms, at most a tenth too early: by their stamps, not by when they come.
     One that comes early, at 300 ms, does not bring the next forward from 650 ms to 600 ms."""
+    tap.equal(stamps_of_pings(START), [5000.0, 5000.3, 5000.7])
+
+
+def test_a_simulation_that_begins_at_0_keeps_its_rate():
+    """Its first ping is stamped 0 as its pose is, and its second pose is no leap of time. A pose of 0 that was sent
+    again is one that has no time."""
+    tap.equal(sorted(set(stamps_of_pings(0))), [0.0, 0.3, 0.7])
+
+
+def stamps_of_pings(start):
+    """In s, of poses every 100 ms from START on at 3.0769 pings a second."""
     need()
     with Folder() as folder:
         with Server(folder, SCENE.replace("ping_rate_hz: 10", "ping_rate_hz: 3.0769")) as server:
-            got = peer(server, folder, [POSES[0][0]] * 9, wait=0.75, stamp=START)
-        stamps = [m["stamp"] / 1e9 for m in got if m.get("topic") == "sonar"]
-        tap.equal(stamps, [5000.0, 5000.3, 5000.7], server.said)
+            got = peer(server, folder, [POSES[0][0]] * 9, wait=0.75, stamp=start)
+    return [m["stamp"] / 1e9 for m in got if m.get("topic") == "sonar"]
+
+
+def test_poses_without_a_time_are_served_as_they_come():
+    """Their pings have none either, and keep the sonar's rate."""
+    need()
+    with Folder() as folder:
+        with Server(folder, SCENE.replace("ping_rate_hz: 10", "ping_rate_hz: 2")) as server:
+            got = peer(server, folder, [POSES[0][0]] * 3, wait=10, cold=True, untimed=True)
+            tap.equal({m["stamp"] for m in got if m.get("topic") == "sonar"}, {0}, server.said)
+            tap.equal(len([m for m in got if m.get("topic") == "sonar"]) >= 3, True, server.said)
+            got = peer(server, folder, [POSES[0][0]] * 80, hz=20, cold=True, untimed=True)
+            pings = [m["pings"] for m in got if m.get("summary") == "sonar"]
+        print(f"# {pings} pings of 80 poses in 4 s")
+        tap.equal(len(pings) == 1 and 2 <= pings[0] <= 1 + 5.5 / 0.45, True, f"{pings} pings, one in half a second")
 
 
 def test_time_that_leaps_back_begins_anew():
