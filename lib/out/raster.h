@@ -36,8 +36,8 @@ uint32_t asdic_raster_color(const asdic_picture_options *options, double level_d
 asdic_status asdic_raster_levels(asdic_context *ctx, const asdic_waterfall *image,
                                  const asdic_picture_options *options, asdic_raster *out);
 
-/* How many beams, from the first on, lie in a fan by bearing: their bearings ascend, or all descend, and none looks
- * straight up or down. */
+/* How many beams, from the first on, lie in a fan by bearing: their bearings ascend, or all
+ * descend, and none looks straight up or down. */
 size_t asdic_beams_in_fan(const asdic_sonar *sonar);
 
 /* Whether the beams make a fan: three or more, and all lie in it. */
@@ -56,7 +56,8 @@ typedef struct asdic_sector {
 
 asdic_sector asdic_sector_of(const asdic_fan *fan, double radius_px);
 
-/* The beams' half-way bearings and the ends of the fan, EDGES[beams + 1], in the order of the beams. */
+/* The beams' half-way bearings and the ends of the fan, EDGES[beams + 1], in the order of the
+ * beams. */
 void asdic_fan_edges(const asdic_fan *fan, double *edges);
 
 /* The beam whose EDGES enclose BEARING, or that and whole turns; BEAMS where none does. */
