@@ -376,7 +376,9 @@ static void calibrate_bin(asdic_simulator *sim, size_t n, const calibration *c) 
         double shared = count > 0.0 ? mean / fmax(1.0 - mean / c->count, LEAST_KNOWN) : 1.0;
         double own = OWN_ERROR * fmax(cell_variance(c, b * bins + n), 0.0);
         sim->learnt.stated[b * bins + n] =
-            (asdic_stated_error){.of_groups = count > 0.0, .of_block = (float)(shared + own)};
+            (asdic_stated_error){.of_groups = count > 0.0,
+                                 .of_block = (float)(shared + own),
+                                 .mean_lin = (float)c->mean[b * bins + n]};
     }
 }
 
@@ -416,11 +418,17 @@ static void forget_first_bins(const asdic_simulator *sim, calibration *c) {
     }
 }
 
-/* With few receivers. */
 static void take_mean(const asdic_simulator *sim, const asdic_ping *ping, calibration *c) {
     double *const *part = ping->intensity_lin;
     for (size_t cell = 0; cell < sim->setup.cells; cell++) {
         c->mean[cell] += (part[ASDIC_TOTAL][cell] - part[ASDIC_NOISE][cell]) / c->count;
+    }
+}
+
+/* With few receivers. */
+static void take_parts(const asdic_simulator *sim, const asdic_ping *ping, calibration *c) {
+    double *const *part = ping->intensity_lin;
+    for (size_t cell = 0; cell < sim->setup.cells; cell++) {
         c->objects[cell] +=
             (float)((part[ASDIC_OBJECT][cell] + part[ASDIC_MULTIPATH][cell]) / c->count);
         c->water[cell] += (float)(part[ASDIC_VOLUME][cell] / c->count);
@@ -433,8 +441,8 @@ static asdic_status run_pings(asdic_simulator *sim, const asdic_pose *pose, uint
                               calibration *c) {
     memset(c->suggested, 0, sim->setup.cells * sizeof *c->suggested);
     memset(c->rare, 0, sim->setup.cells * sizeof *c->rare);
-    if (!sim->fan.many) { /* what take_mean adds up */
-        memset(c->mean, 0, sim->setup.cells * sizeof *c->mean);
+    memset(c->mean, 0, sim->setup.cells * sizeof *c->mean);
+    if (!sim->fan.many) { /* what take_parts adds up */
         memset(c->objects, 0, sim->setup.cells * sizeof *c->objects);
         memset(c->water, 0, sim->setup.cells * sizeof *c->water);
     }
@@ -448,8 +456,9 @@ static asdic_status run_pings(asdic_simulator *sim, const asdic_pose *pose, uint
         }
         TRY(asdic_simulator_simulate(sim, together, c->pings));
         for (uint32_t i = 0; i < together; i++, k++) {
+            take_mean(sim, c->pings[i], c);
             if (!sim->fan.many) {
-                take_mean(sim, c->pings[i], c);
+                take_parts(sim, c->pings[i], c);
             }
             take_first_bins(sim, c->pings[i], c->sharp);
             asdic_pulse_smear(&sim->setup.sonar, sim->shots[i].water.sound_speed_mps,

@@ -36,25 +36,36 @@ WIDEST static void convert_whole(const int64_t *restrict quanta, double unit,
     }
 }
 
-/* Of a ping that holds far less than the block's others, no more is said than that. */
-#define MOST_MISSED 5.0f
-/* Relative; twice itself, 8.7 dB, says that a level is not known. More would only stand out in reports: true
+/* A ping that holds less than the block's others may have missed something: the variance, relative to its energy, is
+ * at most so many times theirs for that. Of many receivers, whose echoes move alike, it is theirs. */
+#define MOST_LESS_FEW 5.0
+#define MOST_LESS_MANY 1.0
+/* What it may have missed is no less than this part of what they heard, however little this ping heard itself: a
+ * level has farther to rise, in dB, than the error of its energy says. */
+#define LEAST_MISSED 0.25
+/* Unless it holds less by more standard errors than this: chance does not miss so much, the scene has changed. */
+#define MOST_BY_CHANCE 5.0
+/* Relative to the total; 8.7 dB, says that a level is not known. More would only stand out in reports: true
  * over stated error is the same with ten. */
-#define MOST_ERROR 2.0f
+#define MOST_ERROR 2.0
 
-/* The relative error of echoes of ENERGY, from their SPREAD over the ping's groups and what the block's
- * calibration found. */
+/* The error of echoes of ENERGY, linear, from their SPREAD over the ping's groups and what the block's calibration
+ * found. What all rays missed is not in ENERGY: relative to that, in noise, its error would be next to nothing. */
 WIDEST static void estimate_errors(const asdic_stated_error *restrict stated,
-                                   const float *restrict spread, const double *restrict energy,
-                                   size_t bins, float *restrict error) {
+                                   const float *restrict spread, double most_less,
+                                   const double *restrict energy, size_t bins,
+                                   double *restrict error) {
     for (size_t n = 0; n < bins; n++) {
-        float own = stated[n].of_groups * spread[n] * spread[n];
-        float less = energy[n] > 0.0 ? stated[n].mean_lin / (float)energy[n] : 1.0f;
-        float less2 = less * less < MOST_MISSED ? less * less : MOST_MISSED;
-        float variance =
-            (float)ASDIC_OWN_PING * own + stated[n].of_block * (less > 1.0f ? less2 : 1.0f);
-        variance = (variance > own ? variance : own) + stated[n].rare * less2;
-        error[n] = sqrtf(variance < MOST_ERROR * MOST_ERROR ? variance : MOST_ERROR * MOST_ERROR);
+        double of_groups = (double)stated[n].of_groups, of_block = (double)stated[n].of_block;
+        double mean = (double)stated[n].mean_lin, missed = mean - energy[n];
+        double mean2 = mean * mean, energy2 = energy[n] * energy[n], less2 = most_less * energy2;
+        double by_chance = MOST_BY_CHANCE * MOST_BY_CHANCE * of_block * mean2;
+        double least2 = missed * missed < by_chance ? LEAST_MISSED * LEAST_MISSED * mean2 : 0.0;
+        double known2 = mean2 < less2 ? mean2 : less2 > least2 ? less2 : least2;
+        double own = of_groups * (double)(spread[n] * spread[n]) * energy2;
+        double variance = ASDIC_OWN_PING * own + of_block * (energy2 > known2 ? energy2 : known2);
+        variance = (variance > own ? variance : own) + (double)stated[n].rare * known2;
+        error[n] = sqrt(variance);
     }
 }
 
@@ -68,30 +79,34 @@ static inline bool objects_rule(double object, double multipath, double echo) {
 WIDEST static void restate_objects(float ratio, const float *restrict spread,
                                    const double *restrict object, const double *restrict multipath,
                                    const double *restrict energy, size_t bins,
-                                   float *restrict error) {
+                                   double *restrict error) {
     for (size_t n = 0; n < bins; n++) {
         bool is_ruled = objects_rule(object[n], multipath[n], energy[n]);
         float random = ASDIC_NO_LATTICE * spread[n] * spread[n];
         float own = ratio > random ? ratio : random < 1.0f ? random : 1.0f;
-        own = is_ruled ? sqrtf(own) * spread[n] : 0.0f;
-        own = own < MOST_ERROR ? own : MOST_ERROR;
-        error[n] = error[n] > own ? error[n] : own;
+        double least = is_ruled ? (double)(sqrtf(own) * spread[n]) * energy[n] : 0.0;
+        error[n] = error[n] > least ? error[n] : least;
     }
 }
 
 /* dB per relative error: 10 / ln 10. */
 #define TO_DB 4.3429448190325175
 
-/* ECHO and a bin's noise to the total, and the echo's relative error to its part of the total, in dB. */
+/* An ERROR of TOTAL, both linear, in dB. */
+static double error_db(double error, double total) {
+    double part = error / total;
+    return TO_DB * (part < MOST_ERROR ? part : MOST_ERROR);
+}
+
+/* ECHO and a bin's noise to the total, and the echo's ERROR to that of the total, in dB. */
 WIDEST static void end_cells(const double *restrict echo, double noise_lin,
-                             const float *restrict error, size_t bins, double *restrict noise,
+                             const double *restrict error, size_t bins, double *restrict noise,
                              double *restrict total, float *restrict stderr_db) {
     for (size_t n = 0; n < bins; n++) {
         double sum = echo[n] + noise_lin;
-        double error_db = TO_DB * (double)error[n] * (echo[n] / sum);
         noise[n] = noise_lin;
         total[n] = sum;
-        stderr_db[n] = echo[n] > 0.0 ? (float)error_db : 0.0f;
+        stderr_db[n] = sum > 0.0 ? (float)error_db(error[n], sum) : 0.0f;
     }
 }
 
@@ -128,7 +143,7 @@ static double noise_of(const conversion *c, size_t beam) {
                            c->shot->water.sound_speed_mps);
 }
 
-static void end_block(const double *echo, double noise_lin, const float *error, size_t at,
+static void end_block(const double *echo, double noise_lin, const double *error, size_t at,
                       size_t count, asdic_ping *out) {
     end_cells(echo, noise_lin, error, count, out->intensity_lin[ASDIC_NOISE] + at,
               out->intensity_lin[ASDIC_TOTAL] + at, out->stderr_db + at);
@@ -147,11 +162,12 @@ static void restate_first_echoes(const conversion *k, size_t beam, const float *
         size_t now = then < bins ? asdic_first_bin(heard, bins) : then;
         size_t end = now == then ? now : now + ASDIC_FIRST_BINS;
         for (; now < end && now < bins && then < bins; now++, then++) {
-            double echo = total[now] - noise[now];
-            float own = spread ? spread[now] : 0.0f, error = 0.0f;
+            double echo = total[now] - noise[now], error = 0.0;
+            float own = spread ? spread[now] : 0.0f;
             float *stated = k->out->stderr_db + at + now;
-            estimate_errors(&k->sim->learnt.stated[at + then], &own, &echo, 1, &error);
-            *stated = fmaxf(*stated, (float)(TO_DB * (double)error * echo / total[now]));
+            estimate_errors(&k->sim->learnt.stated[at + then], &own,
+                            spread ? MOST_LESS_FEW : MOST_LESS_MANY, &echo, 1, &error);
+            *stated = fmaxf(*stated, (float)error_db(error, total[now]));
         }
     }
 }
@@ -179,9 +195,8 @@ static void restate_gaps(const conversion *k, size_t beam, const float *spread) 
             double missed = fmin(missed_beside(out, at + before, (double)spread[before]),
                                  missed_beside(out, at + n, (double)spread[n]));
             for (size_t gap = at + before + 1; gap < at + n; gap++) {
-                double error =
-                    fmin(missed / out->intensity_lin[ASDIC_TOTAL][gap], (double)MOST_ERROR);
-                out->stderr_db[gap] = fmaxf(out->stderr_db[gap], (float)(TO_DB * error));
+                double error = error_db(missed, out->intensity_lin[ASDIC_TOTAL][gap]);
+                out->stderr_db[gap] = fmaxf(out->stderr_db[gap], (float)error);
             }
         }
         before = n;
@@ -200,7 +215,7 @@ static void convert_beam(const conversion *k, unsigned worker, size_t beam) {
     for (size_t n = 0; n < sim->setup.bins; n += BLOCK) {
         size_t count = sim->setup.bins - n < BLOCK ? sim->setup.bins - n : BLOCK, at = first + n;
         double echo[BLOCK] = {0.0};
-        float error[BLOCK] = {0.0f};
+        double error[BLOCK] = {0.0};
         for (size_t c = 0; c < DEV_DEPOSIT_COUNT; c++) {
             double *energy = k->out->intensity_lin[asdic_component_of[c]] + at;
             const double *loss = c == DEV_DEPOSIT_VOLUME ? shot->volume : shot->loss;
@@ -212,7 +227,7 @@ static void convert_beam(const conversion *k, unsigned worker, size_t beam) {
             }
         }
         if (!sim->setup.sampling.without_errors) {
-            estimate_errors(stated + n, spread + at, echo, count, error);
+            estimate_errors(stated + n, spread + at, MOST_LESS_FEW, echo, count, error);
             if (k->drift.is_any) {
                 restate_objects(sim->learnt.object_ratio, spread + at,
                                 k->out->intensity_lin[ASDIC_OBJECT] + at,
@@ -309,7 +324,7 @@ static void convert_fan_beam(const conversion *k, unsigned worker, size_t beam) 
     for (size_t n = 0; n < bins; n += BLOCK) {
         size_t count = bins - n < BLOCK ? bins - n : BLOCK, at = first + n;
         double echo[BLOCK] = {0.0};
-        float error[BLOCK] = {0.0f};
+        double error[BLOCK] = {0.0};
         for (size_t c = 0; c < DEV_DEPOSIT_COUNT; c++) {
             double *energy = k->out->intensity_lin[asdic_component_of[c]] + at;
             const float *quanta = asdic_beam_fan_row(&sim->fan, shot->sums, beam, c) + n;
@@ -326,7 +341,7 @@ static void convert_fan_beam(const conversion *k, unsigned worker, size_t beam) 
             asdic_stated_error chosen[BLOCK];
             const asdic_stated_error *stated =
                 choose_stated(k, at, objects ? objects + n : NULL, others + n, echo, count, chosen);
-            estimate_errors(stated, none, echo, count, error);
+            estimate_errors(stated, none, MOST_LESS_MANY, echo, count, error);
         }
         end_block(echo, noise_lin, error, at, count, k->out);
     }
