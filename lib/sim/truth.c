@@ -266,10 +266,10 @@ static void gather(const telling *to, size_t row, double unit, double *energy) {
     }
 }
 
-static void smear(const telling *to, double *energy) {
+static void smear(const telling *to, asdic_component component, double *energy) {
     for (size_t b = 0; b < to->beams && to->smears; b++) {
-        asdic_pulse_smear_row(&to->sim->setup.sonar, to->speed_mps, to->scratch, to->out->bins,
-                              energy + b * to->out->bins);
+        asdic_pulse_smear_row(&to->sim->setup.sonar, to->speed_mps, component, to->scratch,
+                              to->out->bins, energy + b * to->out->bins);
     }
 }
 
@@ -287,7 +287,7 @@ static void compare(const telling *to, unsigned number, dev_truth_row row, doubl
                     double *most) {
     size_t bins = to->out->bins, first = to->beam * bins;
     if (to->smears) {
-        smear(to, energy);
+        smear(to, ASDIC_OBJECT, energy);
         row.low = 0;
         row.high = (dev_uint)bins;
     }
@@ -368,7 +368,22 @@ static void gather_moments(const telling *to, double *moment) {
                 (1.0 + point->down);
         }
     }
-    smear(to, moment);
+    smear(to, ASDIC_TOTAL, moment);
+}
+
+/* Takes from MOMENT what went with the objects' energy in H beyond the range's end. */
+static void cut_moment(const telling *to, const asdic_holdings *h, double *moment) {
+    size_t bins = to->out->bins;
+    for (size_t n = bins; to->smears && n-- > 0;) {
+        double kept = asdic_pulse_kept(&to->sim->setup.sonar, to->speed_mps, bins, n);
+        if (kept >= 1.0) {
+            return;
+        }
+        double object = h->part[ASDIC_OBJECT][n];
+        double echo = h->part[ASDIC_BOTTOM][n] + h->part[ASDIC_SURFACE][n] + object +
+                      h->part[ASDIC_MULTIPATH][n];
+        moment[n] *= object > 0.0 ? echo / (echo - object + object / kept) : 1.0;
+    }
 }
 
 /* What a beam of OUT holds of each component. */
@@ -398,8 +413,8 @@ static void tell_tile(const telling *to) {
         gather(to, DEV_TRUTH_BY_BOTTOM, unit, by_bottom);
         add_points_by(to, ASDIC_PATH_BY_SURFACE, by_surface);
         add_points_by(to, ASDIC_PATH_BY_BOTTOM, by_bottom);
-        smear(to, by_surface);
-        smear(to, by_bottom);
+        smear(to, ASDIC_MULTIPATH, by_surface);
+        smear(to, ASDIC_MULTIPATH, by_bottom);
     }
     memset(most, 0, used);
     find_objects(to, to->work, most);
@@ -412,6 +427,7 @@ static void tell_tile(const telling *to) {
                             .moment = moment + b * bins,
                             .none = none};
         find_parts(to, first, &h);
+        cut_moment(to, &h, moment + b * bins);
         asdic_truth_share(&h, bins, truth, first);
     }
 }

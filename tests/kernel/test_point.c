@@ -90,6 +90,38 @@ static void points_meet_the_sonar_equation(void **state) {
     rig_destroy(&r);
 }
 
+/* A pulse of 10 bins: the level in each that it reaches is a tenth of the sonar equation's, SL - TL + TS - 10 log 10, to
+ * the range's last and from the blanking's first. */
+static void pulses_are_cut_at_both_ends(void **state) {
+    (void)state;
+    static const double ranges_m[] = {6.26, 40.26, 73.26};
+    ping_rig r = empty_sea();
+    r.sonar.source_level_db = 200.0;
+    r.sonar.blanking_m = 5.0;
+    r.sonar.bandwidth_hz = asdic_environment_sound_speed_mps(&r.env, 7.0) / (2.0 * 5.0);
+    for (int i = 0; i < 3; i++) {
+        assert_ok(t.ctx, asdic_scene_add_point(r.scene, "sphere", place(ranges_m[i], 0, 0), -30.0));
+    }
+    asdic_ping *ping = rig_shoot(&r, 3, true);
+    for (int i = 0; i < 3; i++) {
+        int at = (int)(ranges_m[i] / 0.5);
+        double whole_db = expected_db(&r, 0, ranges_m[i], 0.0, 0.0, -30.0);
+        for (int n = at - 6; n <= at + 6 && n < (int)ping->bins; n++) {
+            int off = abs(n - at);
+            double part = n < 10 || off > 5 ? 0.0 : off == 5 ? 0.05 : 0.1; /* from 5 m on */
+            double level = asdic_level_db(ping->intensity_lin[ASDIC_OBJECT][n]);
+            if (part > 0.0) {
+                assert_close(level, whole_db + 10.0 * log10(part), 1e-4);
+            } else {
+                assert_true(ping->intensity_lin[ASDIC_OBJECT][n] == 0.0);
+            }
+        }
+    }
+    assert_int_equal(ping->bins, 149); /* so that the last is cut, too: its bin is 146 */
+    asdic_ping_destroy(&ping);
+    rig_destroy(&r);
+}
+
 /* The same bytes for every ping, seed and number of rays. */
 static void points_have_no_sampling_error(void **state) {
     (void)state;
@@ -303,6 +335,7 @@ int main(void) {
     t = test_device_open_or_skip();
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(points_meet_the_sonar_equation),
+        cmocka_unit_test(pulses_are_cut_at_both_ends),
         cmocka_unit_test(points_have_no_sampling_error),
         cmocka_unit_test(points_are_hidden),
         cmocka_unit_test(points_are_heard_over_mirrors),

@@ -498,6 +498,25 @@ static void mirrors_are_told_apart(void **state) {
     }
 }
 
+/* Of a pulse that reaches beyond the last bin the rest is lost, and what is heard arrives from where the point is. */
+static void a_pulse_at_the_end_arrives_from_its_object(void **state) {
+    (void)state;
+    const kind k = {"a long pulse", 3, ASDIC_MULTIPATH_OFF, 0.0, 100.0};
+    ping_rig r = make_rig(&k, 0);
+    asdic_scene_destroy(&r.scene);
+    assert_ok(t.ctx, asdic_scene_create(t.ctx, &r.scene));
+    asdic_scene_set_surface(r.scene, false);
+    const asdic_vec3 at = {42.0, 0.0, 7.0 + 12.0};
+    assert_ok(t.ctx, asdic_scene_add_point(r.scene, "point", at, 20.0));
+    asdic_ping *p = shoot(&r, &k, true);
+    for (size_t n = p->bins - 6; n < p->bins; n++) {
+        assert_close(p->truth->depression_rad[n], atan2(12.0, 42.0), 1e-5);
+        assert_int_equal(p->truth->strongest[n], 1);
+    }
+    asdic_ping_destroy(&p);
+    rig_destroy(&r);
+}
+
 static void a_simulator_without_truth_says_so(void **state) {
     (void)state;
     ping_rig r = rig_create(&t);
@@ -533,6 +552,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test(spheres_are_as_summed_by_hand),
         cmocka_unit_test(fans_tell_depressions),
         cmocka_unit_test(mirrors_are_told_apart),
+        cmocka_unit_test(a_pulse_at_the_end_arrives_from_its_object),
         cmocka_unit_test(a_simulator_without_truth_says_so),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);

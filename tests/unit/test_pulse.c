@@ -4,6 +4,8 @@
 #include "base/share.h"
 #include "sim/pulse.h"
 
+#include <string.h>
+
 #define BINS 40
 #define ROW (4 * BINS) /* of scratch, more than a thread takes */
 
@@ -29,6 +31,7 @@ typedef struct rig {
 static int set_up(void **state) {
     static rig r;
     r = (rig){.sonar = asdic_sonar_default()};
+    r.sonar.blanking_m = 0.0;
     assert_int_equal(asdic_context_create(&r.ctx), ASDIC_OK);
     assert_ok(r.ctx, asdic_ping_create(r.ctx, 2, BINS, &r.ping));
     assert_true(asdic_pulse_scratch(BINS) <= sizeof r.scratch / sizeof *r.scratch);
@@ -65,8 +68,7 @@ static void pulse_keeps_energy_and_widens(void **state) {
         assert_close(bottom[n], expected, 1e-12);
         assert_close(r->ping->intensity_lin[ASDIC_TOTAL][n], expected, 1e-12);
         assert_close(r->ping->stderr_db[n], expected > 0.0 ? 0.5 : 0.0, 1e-6);
-        assert_close(share, 1.0 / (2.5 + fmin(2.5, BINS - n - 0.5)),
-                     1e-12); /* of the bins there are */
+        assert_close(share, 0.2, 1e-12); /* what falls beyond the last bin is lost */
     }
     assert_close(sum, 1.0, 1e-12);
     smear(r, 0.99); /* shorter than a bin: untouched */
@@ -119,6 +121,62 @@ static void pulse_is_a_window_s_mean(void **state) {
     }
 }
 
+/* An object's echo does not go on beyond the last bin: each bin that its pulse reaches keeps as much, and the rest is
+ * lost. A bottom's is as loud again as what it lacks. */
+static void what_an_object_sends_beyond_the_end_is_lost(void **state) {
+    rig *r = *state;
+    const int from = BINS - 2; /* the pulse of five bins is heard in four */
+    double *object = r->ping->intensity_lin[ASDIC_OBJECT];
+    double *bottom = r->ping->intensity_lin[ASDIC_BOTTOM];
+    object[from] = bottom[BINS + from] = 1.0;
+    r->ping->intensity_lin[ASDIC_TOTAL][from] = r->ping->intensity_lin[ASDIC_TOTAL][BINS + from] =
+        1.0;
+    smear(r, 5.0);
+    for (int n = 0; n < BINS; n++) {
+        double heard = n >= from - 2 ? 1.0 : 0.0;
+        assert_close(object[n], heard / 5.0, 1e-12);
+        assert_close(r->ping->intensity_lin[ASDIC_TOTAL][n], heard / 5.0, 1e-12);
+        assert_close(bottom[BINS + n], heard / (2.5 + fmin(2.5, BINS - n - 0.5)), 1e-12);
+    }
+    object[0] = 1.0; /* of a pulse that is longer than the ping */
+    memset(object + 1, 0, (BINS - 1) * sizeof *object);
+    smear(r, 160.0);
+    for (int n = 0; n < BINS; n++) {
+        assert_close(object[n], 1.0 / 160.0, 1e-12);
+    }
+}
+
+/* Nothing is heard before the end of the blanking, in the bin that it ends in as much as is behind it; noise is. */
+static void nothing_is_heard_before_the_blanking_s_end(void **state) {
+    rig *r = *state;
+    static const double blanking_m[] = {0.01, 0.7, 0.73, 0.8, 3.99};
+    for (size_t i = 0; i < sizeof blanking_m / sizeof *blanking_m; i++) {
+        r->sonar.blanking_m = blanking_m[i];
+        for (int c = 0; c < ASDIC_COMPONENT_COUNT; c++) {
+            memset(r->ping->intensity_lin[c], 0, BINS * sizeof(double));
+        }
+        for (int n = 0; n < BINS; n++) {
+            r->ping->intensity_lin[ASDIC_NOISE][n] = 1e-3;
+            r->ping->stderr_db[n] = 0.1f;
+        }
+        r->ping->intensity_lin[ASDIC_OBJECT][9] = r->ping->intensity_lin[ASDIC_VOLUME][9] = 1.0;
+        r->ping->intensity_lin[ASDIC_TOTAL][9] = 2.0;
+        smear(r, 11.0); /* bins 4 to 14 */
+        for (int n = 0; n < BINS; n++) {
+            double behind = fmin(fmax((n + 1) * 0.1 - blanking_m[i], 0.0) / 0.1, 1.0);
+            double heard = n >= 4 && n <= 14 ? behind / 11.0 : 0.0;
+            assert_close(r->ping->intensity_lin[ASDIC_OBJECT][n], heard, 1e-12);
+            assert_close(r->ping->intensity_lin[ASDIC_VOLUME][n], heard, 1e-12);
+            assert_close(r->ping->intensity_lin[ASDIC_NOISE][n], 1e-3, 0.0);
+            assert_close(r->ping->intensity_lin[ASDIC_TOTAL][n], 2.0 * heard + 1e-3, 1e-12);
+            assert_true(heard > 1e-12 ? r->ping->stderr_db[n] > 0.0f
+                                      : r->ping->stderr_db[n] < 1e-9f);
+            assert_close(asdic_pulse_share(&r->sonar, 1500.0, BINS, (size_t)n), behind / 11.0,
+                         1e-12);
+        }
+    }
+}
+
 /* Threads have room of their own: none writes where another one's is. */
 static void threads_do_not_share_their_room(void **state) {
     rig *r = *state;
@@ -144,6 +202,10 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(pulse_keeps_energy_and_widens, set_up, tear_down),
         cmocka_unit_test_setup_teardown(pulse_is_a_window_s_mean, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(what_an_object_sends_beyond_the_end_is_lost, set_up,
+                                        tear_down),
+        cmocka_unit_test_setup_teardown(nothing_is_heard_before_the_blanking_s_end, set_up,
+                                        tear_down),
         cmocka_unit_test_setup_teardown(threads_do_not_share_their_room, set_up, tear_down),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
