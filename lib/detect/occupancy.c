@@ -100,7 +100,7 @@ typedef struct spot {
 } spot;
 
 /* Places in a cell at which an object may be, by index of heading and bin together, and the share of
- * objects that are there; the rest of these is not heard. On an arc, so many heights at most. */
+ * objects that are there; the rest of these is not heard. In a long cell, so many heights at most. */
 #define MOST_HEIGHTS 8
 
 typedef struct place {
@@ -204,12 +204,38 @@ static void add_column(update *u, size_t heading, const water_column *c) {
     }
 }
 
+/* The length that [FROM, TO] and [LOW, HIGH] have in common. */
+static double overlap(double from, double to, double low, double high) {
+    return fmax(fmin(to, high) - fmax(from, low), 0.0);
+}
+
+/* A column of water between LOW_M and HIGH_M re the sonar: each bin hears what of it lies at its range, and
+ * none is left out. One that is shorter than a bin is taken at its middle height. */
+static void add_heights(update *u, size_t heading, double plane_m, double low_m, double high_m) {
+    double bin_m = u->look->sonar->bin_length_m, plane2 = plane_m * plane_m, from_m = 0.0;
+    double least_m = low_m * high_m < 0.0 ? 0.0 : fmin(fabs(low_m), fabs(high_m));
+    double most_m = fmax(fabs(low_m), fabs(high_m)), middle_m = 0.5 * (least_m + most_m);
+    double near_m = sqrt(plane2 + least_m * least_m), far_m = sqrt(plane2 + most_m * most_m);
+    if (far_m - near_m < bin_m) {
+        add_place(u, heading, sqrt(plane2 + middle_m * middle_m) / bin_m, high_m - low_m);
+        return;
+    }
+    double last = fmin(floor(far_m / bin_m), (double)u->seen.bins - 1.0);
+    for (double n = floor(near_m / bin_m); n <= last; n += 1.0) {
+        double end_m = (n + 1.0) * bin_m, to_m = sqrt(fmax(end_m * end_m - plane2, 0.0));
+        double share =
+            overlap(from_m, to_m, low_m, high_m) + overlap(-to_m, -from_m, low_m, high_m);
+        add_place(u, heading, n, share);
+        from_m = to_m;
+    }
+}
+
 /* In the water: in each arc the part of its height between surface and floor, of all the water there
  * where that is known. */
 static void add_in_water(update *u, const spot *s) {
     const asdic_evidence *f = &u->seen;
     double above = u->look->depth_m, below = floor_below(u, s), heard_m = 0.0;
-    double plane2 = s->plane_m * s->plane_m, bin_m = u->look->sonar->bin_length_m;
+    double bin_m = u->look->sonar->bin_length_m;
     for (size_t a = 0; a < f->arcs; a++) {
         const asdic_heading *h = &f->headings[a * f->azimuths + s->azimuth];
         double low = fmax(s->plane_m * h->slope_low, -above);
@@ -223,14 +249,7 @@ static void add_in_water(update *u, const spot *s) {
             add_column(u, a * f->azimuths + s->azimuth, &c);
             continue;
         }
-        double least = low * high < 0.0 ? 0.0 : fmin(low * low, high * high);
-        double near_m = sqrt(plane2 + least), far_m = sqrt(plane2 + fmax(low * low, high * high));
-        double step = fmax(bin_m, 0.5 * u->map->cell_m);
-        double heights = fmin(floor(1.0 + (far_m - near_m) / step), MOST_HEIGHTS);
-        for (double i = 0.5; i < heights; i += 1.0) {
-            double range_m = near_m + i / heights * (far_m - near_m);
-            add_place(u, a * f->azimuths + s->azimuth, range_m / bin_m, (high - low) / heights);
-        }
+        add_heights(u, a * f->azimuths + s->azimuth, s->plane_m, low, high);
     }
     double all_m = isfinite(above + below) ? fmax(heard_m, above + below) : heard_m;
     for (size_t i = 0; i < u->place_count; i++) {
@@ -407,7 +426,8 @@ static asdic_status add(asdic_context *ctx, update *u) {
     u->rate = calloc(3 * count + 1, sizeof *u->rate);
     double across = ceil(sqrt(2.0) * u->map->cell_m / u->look->sonar->bin_length_m);
     u->most_ranges = (size_t)fmin(across, (double)u->seen.bins);
-    u->places = malloc((u->seen.arcs * u->most_ranges * MOST_HEIGHTS + 1) * sizeof *u->places);
+    u->places = malloc((u->seen.arcs * (u->most_ranges * MOST_HEIGHTS + u->seen.bins) + 1) *
+                       sizeof *u->places);
     u->rungs = malloc((u->most_ranges + 1) * sizeof *u->rungs);
     if (!u->rate || !u->places || !u->rungs) {
         return asdic_fail_memory(ctx, "an occupancy map");

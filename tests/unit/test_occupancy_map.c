@@ -82,6 +82,43 @@ static double long_cell(map_rig *r, double side_m) {
     return (double)r->map->log_odds[0];
 }
 
+/* A tall beam hears the water above and below a cell in bins up to 7 m farther: the cell is told the mean of the
+ * ratios over all heights, and an echo in each of these bins speaks for it, wherever in a bin its level range lies. */
+static void columns_of_water_are_heard_in_all_their_bins(void **state) {
+    (void)state;
+    enum { HEIGHTS = 200000 };
+    const double side_m = 0.25, level = 42.0 * DEGREE;
+    for (int k = 0; k < 12; k++) {
+        double plane_m = 20.01 + 0.04 * k, high_m = 0.0, most = 0.0;
+        for (size_t echo = 39; echo < 56; echo++) {
+            map_rig r;
+            asdic_evidence seen = {0};
+            map_begin(&r, 1);
+            asdic_occupancy_destroy(&r.map);
+            r.sonar.transmitter.length_v_m = r.beams[0].length_v_m = 0.01;
+            r.intensity[echo] = 15.0;
+            const asdic_look look = look_of(&r);
+            assert_ok(ctx, asdic_evidence_create(ctx, &look, &seen));
+            high_m = plane_m * seen.headings[0].slope_high;
+            assert_true(high_m > plane_m * tan(level)); /* as high below as above */
+            double sum = 0.0;
+            for (int i = 0; i < HEIGHTS; i++) {
+                double range_m = hypot(plane_m, ((double)i + 0.5) / HEIGHTS * high_m);
+                sum += seen.ratio[(size_t)(range_m / r.sonar.bin_length_m)] / HEIGHTS;
+            }
+            asdic_vec3 low = {plane_m - 0.5 * side_m, -0.5 * side_m, 0.0};
+            asdic_vec3 high = {plane_m + 0.49 * side_m, 0.49 * side_m, 0.0};
+            assert_ok(ctx, asdic_occupancy_create(ctx, low, high, side_m, 0.01, 100.0, &r.map));
+            map_look(&r);
+            assert_close((double)r.map->log_odds[0], MAP_PRIOR + log(sum), 2e-3);
+            most = fmax(most, sum);
+            asdic_evidence_finish(&seen);
+            asdic_occupancy_destroy(&r.map);
+        }
+        assert_true(most > 1e3);
+    }
+}
+
 /* Of as many bins as there are: an echo in any of them speaks for an object in a cell of 40 m that a flat beam hears. */
 static void cells_as_long_as_the_range_hear_all_their_bins(void **state) {
     (void)state;
@@ -377,6 +414,7 @@ int main(void) {
         cmocka_unit_test(quiet_bins_clear_by_what_would_be_heard),
         cmocka_unit_test(poses_tell_cells_apart),
         cmocka_unit_test(long_cells_hear_all_their_bins),
+        cmocka_unit_test(columns_of_water_are_heard_in_all_their_bins),
         cmocka_unit_test(cells_as_long_as_the_range_hear_all_their_bins),
         cmocka_unit_test(long_cells_hear_all_arcs),
         cmocka_unit_test(side_lobes_are_explained),
