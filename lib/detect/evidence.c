@@ -55,6 +55,8 @@ typedef struct reader {
     double *extra_lin; /* by beam: explained echoes, at the range in work */
     double *table;     /* by beam: STRENGTHS ln of ratios at that range, or NAN; K speckle only */
     bool *is_frozen;   /* headings near an echo that is explained elsewhere */
+    size_t loudest;    /* the beam whose echo is in work, where one is strong; else SIZE_MAX */
+    bool *is_compared; /* by beam: whether those that hear the headings of the loudest include it */
 } reader;
 
 static double two_way(const reader *r, size_t beam, asdic_vec3 towards) {
@@ -298,11 +300,34 @@ static double ratio_of(const reader *r, size_t beam, size_t bin, double echo_lin
     return low + (at - (double)q) * (tabled(r, beam, bin, q + 1) - low);
 }
 
+static asdic_vec3 direction_of(const reader *r, const asdic_heading *h) {
+    size_t azimuth = (size_t)(h - r->out->headings) % r->out->azimuths;
+    return direction(r->out->step_rad * (double)azimuth, h->elevation_rad);
+}
+
+/* The same of all beams that are compared, by their patterns at H, side lobes included: of directions that
+ * each ask their own beams the one that asks one more of a strong echo would win, however ill it fits. */
+static double ratio_compared(const reader *r, const asdic_heading *h, size_t bin,
+                             double strength_lin) {
+    asdic_vec3 towards = direction_of(r, h);
+    double axis_lin = r->ears[r->out->hearings[h->hearing].beam].axis_lin, sum = 0.0;
+    for (size_t b = 0; b < r->look->sonar->receiver_count; b++) {
+        if (r->is_compared[b] && is_known(r, b, bin)) {
+            double echo_lin = strength_lin * two_way(r, b, towards) / axis_lin;
+            sum += r->ears[b].weight * ratio_of(r, b, bin, echo_lin);
+        }
+    }
+    return sum;
+}
+
 /* The same of all beams of H, for an object that the best of them would hear with STRENGTH_LIN on its
  * axis. */
 static double ratio_for(const reader *r, const asdic_heading *h, size_t bin, double strength_lin) {
     const asdic_hearing *g = r->out->hearings + h->hearing;
     double sum = 0.0;
+    if (r->loudest != SIZE_MAX) {
+        return ratio_compared(r, h, bin, strength_lin);
+    }
     for (size_t i = 0; i < h->hearing_count; i++, g++) {
         if (is_known(r, g->beam, bin)) {
             sum += g->weight * ratio_of(r, g->beam, bin, strength_lin * g->gain_lin);
@@ -347,13 +372,53 @@ static double read_heading(const reader *r, const asdic_heading *h, size_t bin) 
     return fmax(faint, loud) + log1p(exp(-fabs(faint - loud))) - log(2.0);
 }
 
+static bool hears(const reader *r, const asdic_heading *h, size_t beam) {
+    const asdic_hearing *g = r->out->hearings + h->hearing, *end = g + h->hearing_count;
+    while (g < end && g->beam != beam) {
+        g++;
+    }
+    return g < end;
+}
+
+/* Whether heading I is read in this round: of a strong echo those that its loudest beam hears. */
+static bool is_read(const reader *r, size_t i) {
+    const asdic_heading *h = &r->out->headings[i];
+    return !r->is_frozen[i] && h->hearing_count > 0 &&
+           (r->loudest == SIZE_MAX || hears(r, h, r->loudest));
+}
+
+/* Finds the loudest beam at BIN, if its echo is strong, and the beams by which its headings are compared: all
+ * that hear one of them. */
+static size_t find_loudest(reader *r, size_t bin) {
+    const asdic_evidence *f = r->out;
+    size_t loudest = SIZE_MAX;
+    double most = 0.0;
+    for (size_t b = 0; b < r->look->sonar->receiver_count; b++) {
+        size_t cell = b * r->look->bins + bin;
+        double rest = r->look->background_lin[cell] + r->extra_lin[b];
+        double echo = r->look->intensity_lin[cell] - rest;
+        if (r->ears[b].is_asked && is_known(r, b, bin) && echo > fmax(STRONG_LIN * rest, most)) {
+            most = echo;
+            loudest = b;
+        }
+        r->is_compared[b] = false;
+    }
+    for (size_t i = 0; i < f->arcs * f->azimuths && loudest != SIZE_MAX; i++) {
+        const asdic_heading *h = &f->headings[i];
+        for (size_t k = 0; k < h->hearing_count && hears(r, h, loudest); k++) {
+            r->is_compared[f->hearings[h->hearing + k].beam] = true;
+        }
+    }
+    return loudest;
+}
+
 /* Explains what an object at heading BEST sends to all beams, and keeps what was read near it. */
 static void explain(reader *r, size_t best, size_t bin) {
     asdic_evidence *f = r->out;
     const asdic_heading *h = &f->headings[best];
     const asdic_hearing *g = &f->hearings[h->hearing];
     double azimuth = f->step_rad * (double)(best % f->azimuths);
-    asdic_vec3 towards = direction(azimuth, h->elevation_rad);
+    asdic_vec3 towards = direction_of(r, h);
     double strength = loudness(r, h, bin), excess = f->ratio[best * f->bins + bin] - MOST_LN;
     for (size_t b = 0; b < r->look->sonar->receiver_count; b++) {
         double echo = strength * two_way(r, b, towards) / r->ears[g->beam].axis_lin;
@@ -363,12 +428,33 @@ static void explain(reader *r, size_t best, size_t bin) {
     for (size_t i = 0; i < f->arcs * f->azimuths; i++) {
         const asdic_heading *o = &f->headings[i];
         double own = f->step_rad * (double)(i % f->azimuths);
-        if (!r->is_frozen[i] && o->hearing_count > 0 && apart(own, azimuth) <= h->width_rad &&
+        if (is_read(r, i) && apart(own, azimuth) <= h->width_rad &&
             fabs(o->elevation_rad - h->elevation_rad) <= 2.0 * h->half_height_rad) {
             f->ratio[i * f->bins + bin] -= fmax(excess, 0.0);
             r->is_frozen[i] = true;
         }
     }
+}
+
+/* Reads the headings of a round. The best of them, if its echo is strong; else SIZE_MAX. */
+static size_t read_headings(reader *r, size_t bin) {
+    asdic_evidence *f = r->out;
+    size_t best = SIZE_MAX;
+    double most = 0.0;
+    for (size_t i = 0; i < f->arcs * f->azimuths; i++) {
+        if (!is_read(r, i)) {
+            continue;
+        }
+        double ln = read_heading(r, &f->headings[i], bin);
+        f->ratio[i * f->bins + bin] = ln;
+        if (ln > most) {
+            most = ln;
+            best = i;
+        }
+    }
+    const asdic_heading *h = best == SIZE_MAX ? NULL : &f->headings[best];
+    bool is_strong = h && loudness(r, h, bin) * r->snr_lin >= STRONG_LIN * faintest(r, h, bin);
+    return is_strong ? best : SIZE_MAX;
 }
 
 static void read_bin(reader *r, size_t bin) {
@@ -382,21 +468,13 @@ static void read_bin(reader *r, size_t bin) {
         empty_table(r, b);
     }
     for (int round = 0; round <= MOST_ECHOES; round++) {
-        size_t best = SIZE_MAX;
-        double most = 0.0;
-        for (size_t i = 0; i < headings; i++) {
-            if (r->is_frozen[i] || f->headings[i].hearing_count == 0) {
-                continue;
-            }
-            double ln = read_heading(r, &f->headings[i], bin);
-            f->ratio[i * f->bins + bin] = ln;
-            if (ln > most) {
-                most = ln;
-                best = i;
-            }
+        r->loudest = round < MOST_ECHOES ? find_loudest(r, bin) : SIZE_MAX;
+        size_t best = r->loudest != SIZE_MAX ? read_headings(r, bin) : SIZE_MAX;
+        if (best == SIZE_MAX) { /* no strong echo is left, or none that its headings explain */
+            r->loudest = SIZE_MAX;
+            best = read_headings(r, bin);
         }
-        const asdic_heading *h = best == SIZE_MAX ? NULL : &f->headings[best];
-        if (!h || loudness(r, h, bin) * r->snr_lin < STRONG_LIN * faintest(r, h, bin)) {
+        if (best == SIZE_MAX) {
             break;
         }
         explain(r, best, bin);
@@ -416,11 +494,12 @@ static asdic_status read_ping(asdic_context *ctx, reader *r) {
     find_ears(r);
     TRY(find_headings(ctx, r));
     size_t headings = r->out->arcs * r->out->azimuths;
-    r->is_frozen = calloc(headings + 1, sizeof *r->is_frozen);
+    r->is_frozen = calloc(headings + look->sonar->receiver_count, sizeof *r->is_frozen);
     r->out->ratio = malloc((headings * look->bins + 1) * sizeof *r->out->ratio);
     if (!r->is_frozen || !r->out->ratio) {
         return asdic_fail_memory(ctx, "an occupancy map");
     }
+    r->is_compared = r->is_frozen + headings;
     for (size_t n = 0; n < look->bins; n++) {
         read_bin(r, n);
     }

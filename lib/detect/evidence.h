@@ -15,6 +15,10 @@
  * Sinica 21, 5 (2011)). The strength S is as likely the detector's, S0, as above it, there with the
  * density S0 / S^2; L(S) is that narrow in ln S that its greatest value stands for its mean.
  *
+ * An echo that stands 15 dB above the background is heard beyond the beams that look to it. The
+ * directions that its loudest beam hears are therefore compared by the same beams, all that hear one
+ * of them, with G_b down into their side lobes.
+ *
  * An echo that is found is then part of the background of all directions farther than a beam's
  * width from its own, by its pattern there: side lobes are explained by the echo in the main lobe
  * (CLEAN: Hogbom, Astron. Astrophys. Suppl. 15, 417 (1974)).

@@ -52,6 +52,12 @@ static inline void map_look(map_rig *r) {
     assert_ok(ctx, asdic_occupancy_add(ctx, r->map, &look));
 }
 
+/* The pattern in the horizontal of a face LENGTH_M wide, ASIDE_RAD off its axis. */
+static inline double face_gain(const asdic_sonar *sonar, double length_m, double aside_rad) {
+    double x = acos(-1.0) * length_m * sonar->frequency_hz / SPEED * sin(aside_rad);
+    return fabs(x) < 1e-9 ? 1.0 : pow(sin(x) / x, 2);
+}
+
 static inline double map_at(const map_rig *r, double north_m, double east_m) {
     size_t row = (size_t)((north_m + 1.0) / 0.25), column = (size_t)((east_m + 30.0) / 0.25);
     return (double)r->map->log_odds[row * r->map->columns + column];

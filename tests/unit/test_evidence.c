@@ -3,12 +3,6 @@
 
 #include "detect/evidence.h"
 
-/* The pattern in the horizontal of a face LENGTH_M wide, ASIDE_RAD off its axis. */
-static double face_gain(const asdic_sonar *sonar, double length_m, double aside_rad) {
-    double x = acos(-1.0) * length_m * sonar->frequency_hz / SPEED * sin(aside_rad);
-    return fabs(x) < 1e-9 ? 1.0 : pow(sin(x) / x, 2);
-}
-
 /* Directions a quarter of the narrowest width apart; beams hear them within 1.5 of their own widths and 0.03 of what
  * they hear on their axes, the best in this first, whose axis all gains refer to. Beams that hear the same share
  * its weight. */

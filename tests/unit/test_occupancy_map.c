@@ -181,6 +181,73 @@ static void side_lobes_are_explained(void **state) {
     }
 }
 
+/* A fan of BEAMS passes a point at its depth, LEVEL_DB over a background of 1 on all axes, which all beams hear by
+ * their whole patterns: the map's peak is there. */
+static void check_pass(size_t beams, double sector_deg, double length_m, double level_db) {
+    enum { PINGS = 100, MOST = 96, BINS = 80 };
+    static const asdic_vec3 point = {45.1, -10.1, 0.0};
+    static asdic_beam fan[MOST];
+    static double intensity[MOST * BINS], background[MOST * BINS];
+    asdic_sonar sonar = sonar_of(fan, beams);
+    sonar.frequency_hz = 200e3;
+    sonar.bandwidth_hz = 10e3;
+    sonar.bin_length_m = 0.5;
+    sonar.transmitter.length_h_m = sonar.transmitter.length_v_m = 0.006;
+    for (size_t b = 0; b < beams; b++) {
+        fan[b] = sonar.transmitter;
+        fan[b].length_h_m = length_m;
+        fan[b].yaw_rad = (((double)b + 0.5) / (double)beams - 0.5) * sector_deg * DEGREE;
+    }
+    asdic_occupancy *map = NULL;
+    asdic_vec3 low = {0.0, -60.0, 0.0}, high = {80.0, 60.0, 0.0};
+    assert_ok(ctx, asdic_occupancy_create(ctx, low, high, 0.5, 0.01, 10.0, &map));
+    for (int k = 0; k < PINGS; k++) {
+        double x = 0.3 * k, y = 0.06 * k;
+        double yaw_rad = -0.2 * DEGREE * k; /* the point stays in the fan */
+        double range_m = hypot(point.x - x, point.y - y);
+        double azimuth_rad = atan2(point.y - y, point.x - x) - yaw_rad;
+        double sent = face_gain(&sonar, 0.006, azimuth_rad);
+        for (size_t i = 0; i < beams * BINS; i++) {
+            double heard = face_gain(&sonar, length_m, azimuth_rad - fan[i / BINS].yaw_rad);
+            bool is_there = i % BINS == (size_t)(range_m / sonar.bin_length_m);
+            background[i] = 1.0;
+            intensity[i] = 1.0 + (is_there ? pow(10.0, 0.1 * level_db) * sent * heard : 0.0);
+        }
+        const asdic_look look = {.sonar = &sonar,
+                                 .sound_speed_mps = SPEED,
+                                 .pose = {.position_m = {x, y, 8.0}, .yaw_rad = yaw_rad},
+                                 .depth_m = 8.0,
+                                 .bins = BINS,
+                                 .intensity_lin = intensity,
+                                 .background_lin = background,
+                                 .snr_db = 10.0};
+        assert_ok(ctx, asdic_occupancy_add(ctx, map, &look));
+    }
+    double most = -INFINITY, off_m = 0.0;
+    for (size_t i = 0; i < map->rows * map->columns; i++) {
+        double north_m = map->north_m + 0.5 * ((double)(i / map->columns) + 0.5);
+        double east_m = map->east_m + 0.5 * ((double)(i % map->columns) + 0.5);
+        if ((double)map->log_odds[i] > most) {
+            most = (double)map->log_odds[i];
+            off_m = hypot(north_m - point.x, east_m - point.y);
+        }
+    }
+    print_message("%zu beams, %.0f dB: log-odds of %.1f, %.2f m off\n", beams, level_db, most,
+                  off_m);
+    assert_true(most > 0.0 && off_m < 1.5);
+    asdic_occupancy_destroy(&map);
+}
+
+static void loud_objects_are_found_where_they_are(void **state) {
+    (void)state;
+    for (double level_db = 10.0; level_db <= 70.0; level_db += 15.0) {
+        check_pass(24, 100.0, 0.08, level_db);
+        check_pass(96, 100.0, 0.08, level_db);
+        check_pass(12, 100.0, 0.05, level_db);
+        check_pass(5, 60.0, 0.032, level_db + 4.0);
+    }
+}
+
 /* Faces that hear 20 dB less from behind: an echo from ahead is no object astern of a beam that looks there. */
 static void echoes_through_the_rear_are_explained(void **state) {
     (void)state;
@@ -418,6 +485,7 @@ int main(void) {
         cmocka_unit_test(cells_as_long_as_the_range_hear_all_their_bins),
         cmocka_unit_test(long_cells_hear_all_arcs),
         cmocka_unit_test(side_lobes_are_explained),
+        cmocka_unit_test(loud_objects_are_found_where_they_are),
         cmocka_unit_test(echoes_through_the_rear_are_explained),
         cmocka_unit_test(echoes_lie_on_the_floor_that_is_known),
         cmocka_unit_test(the_floor_is_asked_of_the_nearest_arc),
