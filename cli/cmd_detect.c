@@ -23,7 +23,7 @@ static bool read_request(cli *c, request *r) {
     cli_choice(c, "target", cli_target_names, &target);
     cli_number(c, "pfa", 1e-12, 0.5, &r->detector.pfa);
     cli_number(c, "prior", 1e-9, 0.999, &r->detector.prior);
-    cli_number(c, "snr", -20.0, 60.0, &r->detector.snr_db);
+    cli_number(c, "snr", -20.0, ASDIC_DETECTOR_MAX_SNR_DB, &r->detector.snr_db);
     cli_number(c, "cost", 1e-6, 1e12, &r->detector.cost_ratio);
     cli_choice(c, "cfar", cfars, &cfar);
     cli_choice(c, "background", backgrounds, &background);
@@ -113,8 +113,8 @@ static void print_classes(const asdic_detect_report *r) {
         printf("%10.3g\n", k->bins ? (double)k->detected / (double)k->bins : 0.0);
     }
     explain_classes(r);
-    if (r->is_sample) {
-        const asdic_detect_class *none = &r->classes[r->class_count - 1];
+    const asdic_detect_class *none = &r->classes[r->class_count - 1];
+    if (r->is_sample && none->bins > 0) {
         printf("P_FA: ");
         if (!isnan(none->expected)) {
             printf("design %.4g, ", none->expected / (double)none->bins);
@@ -285,6 +285,11 @@ static asdic_status detect(cli *c, const char *folder, request *r) {
         remark_on_error(c, report);
     }
     remark_on_background(c, report, r->options.has_cfar);
+    if (report->bins == 0) {
+        cli_warning(c, "nothing was decided: %s",
+                    report->by_cfar ? "no bin has neighbours beyond its guard (--cfar-guard)"
+                                    : "nothing is expected in any bin");
+    }
     if (report->is_coherent) {
         cli_note(c, "coherent pings do not say what is in a bin: objects, boundaries and water are "
                     "those of the same scene by intensities, kept as parts.npy");

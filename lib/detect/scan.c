@@ -66,10 +66,12 @@ asdic_status asdic_scan_create(asdic_context *ctx, const asdic_sonar *sonar, dou
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "a detector for targets of no kind, %d",
                           (int)detector->target);
     }
-    if (!(detector->pfa > 0.0 && detector->pfa < 1.0) || !isfinite(detector->snr_db)) {
-        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
-                          "a detector of P_FA %g (between 0 and 1) for targets of %g dB",
-                          detector->pfa, detector->snr_db);
+    if (!(detector->pfa > 0.0 && detector->pfa < 1.0) || !isfinite(detector->snr_db) ||
+        detector->snr_db > ASDIC_DETECTOR_MAX_SNR_DB) {
+        return asdic_fail(
+            ctx, ASDIC_ERROR_ARGUMENT,
+            "a detector of P_FA %g (between 0 and 1) for targets of %g dB (at most %g)",
+            detector->pfa, detector->snr_db, ASDIC_DETECTOR_MAX_SNR_DB);
     }
     asdic_scan *scan = calloc(1, sizeof *scan);
     if (!scan) {

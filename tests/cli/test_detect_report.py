@@ -179,6 +179,27 @@ def test_options_replace_one_number_each():
         tap.equal(report(folder, "--pfa", "0.1")["cost_ratio"], None)
 
 
+def test_no_bin_with_neighbours_is_no_decision():
+    """It is said, where rates of nothing were; in JSON they are null."""
+    need_device()
+    with Folder() as folder:
+        folder.write("few.yaml", """version: 1
+bottom: none
+sonar: {frequency_khz: 100, bin_length_m: 0.5, max_range_m: 4, source_level_db: 200, receivers: [{name: ahead}], speckle: rayleigh}
+mission: {pose: {position_m: [0, 0, 50]}, pings: 3}
+sampling: {rays: 2000}
+output: {images: [], csv: none}
+""")
+        asdic("run", "few.yaml", "-o", "out", "-q", cwd=folder.path).check(0)
+        for guard, decided in ("20", False), ("0", True):
+            done = asdic("detect", "out", "-f", "--cfar", "ca", "--cfar-guard", guard, cwd=folder.path).check(0)
+            tap.equal("nan" in done.out, False, done.out)
+            tap.equal("P_FA: design 0.001, measured" in done.out, decided, done.out)
+            tap.equal("nothing was decided: no bin has neighbours beyond its guard" in done.err, not decided, done.err)
+        done = asdic("detect", "out", "-f", "--json", "--cfar", "ca", "--cfar-guard", "20", cwd=folder.path).check(0)
+        tap.equal(json.loads(done.out)["pfa_measured"]["value"], None, "of nothing")
+
+
 def test_options_that_exclude_each_other():
     with Folder() as folder:
         for options, why in ((["--cost", "2", "--pfa", "0.1"], "--cost and --pfa are two thresholds"),

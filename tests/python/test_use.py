@@ -437,6 +437,8 @@ def test_detections():
         raises(asdic.ArgumentError, "cfar_cells and cfar_guard go with cfar", run.detect, **{option: 4})
         raises(asdic.ArgumentError, option, run.detect, cfar="os", **{option: 257})
     raises(asdic.ArgumentError, "speed -1 m/s", run.detect, speed_mps=-1)
+    for snr_db in 60.1, 1e9:  # of which likelihood ratios were no numbers
+        raises(asdic.ArgumentError, f"targets of {snr_db:g} dB (at most 60)", run.detect, snr_db=snr_db)
     found = run.detect(pfa=1e-3)
     tap.equal(found.report.pings, 3, "pings")
     tap.equal([name for name in found.classes["name"]][:1], [b"ball"], "classes")

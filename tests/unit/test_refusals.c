@@ -225,6 +225,7 @@ static const struct limit {
     {check_factor, "P_FA of neighbours", IN(pfa), 0, 1, OPEN_LOW | OPEN_HIGH},
     {check_detector, "P_FA", IN(detector.pfa), 0, 1, OPEN_LOW | OPEN_HIGH},
     {check_detector, "prior", IN(detector.prior), 0, 1, OPEN_LOW | OPEN_HIGH},
+    {check_detector, "snr", IN(detector.snr_db), -INFINITY, 60, OPEN_LOW},
     {check_detector, "cost", IN(detector.cost_ratio), 0, INFINITY, OPEN_LOW},
     {check_tracker, "gate", IN(tracker.gate), 0, INFINITY, OPEN_LOW},
     {check_tracker, "acceleration", IN(tracker.acceleration), 0, INFINITY, 0},
@@ -342,7 +343,7 @@ static void refusals_are_whole_sentences(void **state) {
         {"cells", 257, "CFAR of 257 cells a side (1..256), 2 guards (0..65536), rank 0.75 (0..1]"},
         {"looks", 1001,
          "CFAR over 8 bins (1..512), rank 6, 1001 looks (1..1000), P_FA 0.001 (0..1)"},
-        {"P_FA", 1, "a detector of P_FA 1 (between 0 and 1) for targets of 10 dB"},
+        {"P_FA", 1, "a detector of P_FA 1 (between 0 and 1) for targets of 10 dB (at most 60)"},
         {"cost", -1, "a detector with prior 0.01 (between 0 and 1), costs -1 (above 0)"},
         {"misses", 0,
          "a tracker with gate 9.21, acceleration 0.01 m^2/s^3, speed 0.5 m/s, 3 hits of 5 pings "

@@ -11,6 +11,9 @@
 extern "C" {
 #endif
 
+/* Likelihood ratios of stronger targets are not computed. */
+#define ASDIC_DETECTOR_MAX_SNR_DB 60.0
+
 typedef struct asdic_detector {
     asdic_target target;
     double pfa;    /* probability of false alarm per bin */

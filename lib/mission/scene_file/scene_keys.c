@@ -100,8 +100,8 @@ static const asdic_key detector_keys[] = {
      .fallback = "1.0e-3", .doc = "probability of false alarm per bin"},
     {"prior", ASDIC_KEY_NUMBER, AT(file_detector, prior), .min = 1e-9, .max = 0.999,
      .fallback = "0.01", .doc = "prior probability that a bin holds a target"},
-    {"snr_db", ASDIC_KEY_NUMBER, AT(file_detector, snr_db), .unit = "dB", .min = -20, .max = 60,
-     .fallback = "10",
+    {"snr_db", ASDIC_KEY_NUMBER, AT(file_detector, snr_db), .unit = "dB", .min = -20,
+     .max = ASDIC_DETECTOR_MAX_SNR_DB, .fallback = "10",
      .doc = "strength of the target that likelihood ratios assume, re the background"},
     {"cost_ratio", ASDIC_KEY_NUMBER, AT(file_detector, cost_ratio), .min = 1e-6, .max = 1e12,
      .doc =
