@@ -13,8 +13,8 @@
  * quarter as long, 65 state what is expected within a factor of 2.3, the others of 4.6.
  *
  * Up to eight beams under a transmitter that is much wider, as side-scan sonars have, hear their side lobes one way only:
- * 20 rays a cell for 0.5 dB. Of 40 runs of 1 to 8 such beams, 2 to 130 rays a cell, mirrors or none, 39 state what is
- * expected within a factor of 2.3, the other of 2.5; many beams at `auto` state 0.2 to 0.3 dB.
+ * 20 rays a cell for 0.5 dB. Of 40 runs of 1 to 8 such beams, 2 to 130 rays a cell, mirrors or none, 38 state what is
+ * expected within a factor of 2.3, the others of 2.5; many beams at `auto` state 0.2 to 0.3 dB.
  * Out of this: a full circle of beams without a back wall stated 4.6 times what is expected, five beams side by side
  * under a transmitter as narrow as each of them 4 times.
  */
