@@ -86,7 +86,7 @@ static double long_cell(map_rig *r, double side_m) {
  * ratios over all heights, and an echo in each of these bins speaks for it, wherever in a bin its level range lies. */
 static void columns_of_water_are_heard_in_all_their_bins(void **state) {
     (void)state;
-    enum { HEIGHTS = 200000 };
+    enum { HEIGHTS = 50000 };
     const double side_m = 0.25, level = 42.0 * DEGREE;
     for (int k = 0; k < 12; k++) {
         double plane_m = 20.01 + 0.04 * k, high_m = 0.0, most = 0.0;
@@ -240,11 +240,11 @@ static void check_pass(size_t beams, double sector_deg, double length_m, double 
 
 static void loud_objects_are_found_where_they_are(void **state) {
     (void)state;
-    for (double level_db = 10.0; level_db <= 70.0; level_db += 15.0) {
+    for (double level_db = 25.0; level_db <= 55.0; level_db += 15.0) {
         check_pass(24, 100.0, 0.08, level_db);
         check_pass(96, 100.0, 0.08, level_db);
         check_pass(12, 100.0, 0.05, level_db);
-        check_pass(5, 60.0, 0.032, level_db + 4.0);
+        check_pass(5, 60.0, 0.032, level_db - 11.0);
     }
 }
 
