@@ -36,7 +36,7 @@ WIDEST static void convert_whole(const int64_t *restrict quanta, double unit,
     }
 }
 
-/* A ping that holds less than the block's others may have missed something: the variance, relative to its energy, is
+/* A ping that holds less than the block's others may have missed something: the variance, relative to its total, is
  * at most so many times theirs for that. Of many receivers, whose echoes move alike, it is theirs. */
 #define MOST_LESS_FEW 5.0
 #define MOST_LESS_MANY 1.0
@@ -53,12 +53,13 @@ WIDEST static void convert_whole(const int64_t *restrict quanta, double unit,
  * found. What all rays missed is not in ENERGY: relative to that, in noise, its error would be next to nothing. */
 WIDEST static void estimate_errors(const asdic_stated_error *restrict stated,
                                    const float *restrict spread, double most_less,
-                                   const double *restrict energy, size_t bins,
+                                   const double *restrict energy, double noise_lin, size_t bins,
                                    double *restrict error) {
     for (size_t n = 0; n < bins; n++) {
         double of_groups = (double)stated[n].of_groups, of_block = (double)stated[n].of_block;
         double mean = (double)stated[n].mean_lin, missed = mean - energy[n];
-        double mean2 = mean * mean, energy2 = energy[n] * energy[n], less2 = most_less * energy2;
+        double mean2 = mean * mean, energy2 = energy[n] * energy[n];
+        double total = energy[n] + noise_lin, less2 = most_less * total * total;
         double by_chance = MOST_BY_CHANCE * MOST_BY_CHANCE * of_block * mean2;
         double least2 = missed * missed < by_chance ? LEAST_MISSED * LEAST_MISSED * mean2 : 0.0;
         double known2 = mean2 < less2 ? mean2 : less2 > least2 ? less2 : least2;
@@ -166,7 +167,7 @@ static void restate_first_echoes(const conversion *k, size_t beam, const float *
             float own = spread ? spread[now] : 0.0f;
             float *stated = k->out->stderr_db + at + now;
             estimate_errors(&k->sim->learnt.stated[at + then], &own,
-                            spread ? MOST_LESS_FEW : MOST_LESS_MANY, &echo, 1, &error);
+                            spread ? MOST_LESS_FEW : MOST_LESS_MANY, &echo, noise[now], 1, &error);
             *stated = fmaxf(*stated, (float)error_db(error, total[now]));
         }
     }
@@ -227,7 +228,7 @@ static void convert_beam(const conversion *k, unsigned worker, size_t beam) {
             }
         }
         if (!sim->setup.sampling.without_errors) {
-            estimate_errors(stated + n, spread + at, MOST_LESS_FEW, echo, count, error);
+            estimate_errors(stated + n, spread + at, MOST_LESS_FEW, echo, noise_lin, count, error);
             if (k->drift.is_any) {
                 restate_objects(sim->learnt.object_ratio, spread + at,
                                 k->out->intensity_lin[ASDIC_OBJECT] + at,
@@ -341,7 +342,7 @@ static void convert_fan_beam(const conversion *k, unsigned worker, size_t beam) 
             asdic_stated_error chosen[BLOCK];
             const asdic_stated_error *stated =
                 choose_stated(k, at, objects ? objects + n : NULL, others + n, echo, count, chosen);
-            estimate_errors(stated, none, MOST_LESS_MANY, echo, count, error);
+            estimate_errors(stated, none, MOST_LESS_MANY, echo, noise_lin, count, error);
         }
         end_block(echo, noise_lin, error, at, count, k->out);
     }
