@@ -2,9 +2,10 @@
  * Over rough terrain and past objects, edges move to other bins as a vehicle goes on, and with them the errors that a
  * few of the rays make there. A cell then states what the cells learnt, on average, from which its echo may have
  * come; of many receivers, whose rays tell nothing of their own error, no less than it learnt itself: what stays
- * where it is errs as before. Over terrain.ply, 96 beams 6 m above it that had gone 4 m ahead erred by 2.3 dB r.m.s.;
- * true over stated error was 3.7 by what the cells had learnt, and would be 1.5 by the mean and 1.4 by the larger of
- * both. Eight beams that had come 4 m nearer to objects in open water: 5.4 before, 1.1 by the mean.
+ * where it is errs as before; and what a ping may have missed is no more than each of those cells heard. Over
+ * terrain.ply, 96 beams 6 m above it that had gone 4 m ahead erred by 2.3 dB r.m.s.; true over stated error was 3.7
+ * by what the cells had learnt, and would be 1.5 by the mean and 1.4 by the larger of both. Eight beams that had come
+ * 4 m nearer to objects in open water: 5.4 before, 1.1 by the mean.
  */
 #include "drift.h"
 
@@ -29,6 +30,7 @@ typedef struct known_cells {
 typedef struct window_sums {
     double *variance, *count; /* 3 bins + 1 */
     float *mean;              /* bins; negative: nothing is known */
+    size_t *least;            /* bins: those that may hold the least of a window */
     asdic_stated_error *rows; /* bins, twice: of objects, and of others */
 } window_sums;
 
@@ -43,14 +45,16 @@ static bool sums_create(window_sums *sums, size_t bins) {
     sums->variance = malloc((3 * bins + 1) * sizeof *sums->variance);
     sums->count = malloc((3 * bins + 1) * sizeof *sums->count);
     sums->mean = malloc(bins * sizeof *sums->mean);
+    sums->least = malloc(bins * sizeof *sums->least);
     sums->rows = malloc(2 * bins * sizeof *sums->rows);
-    return sums->variance && sums->count && sums->mean && sums->rows;
+    return sums->variance && sums->count && sums->mean && sums->least && sums->rows;
 }
 
 static void sums_destroy(window_sums *sums) {
     free(sums->variance);
     free(sums->count);
     free(sums->mean);
+    free(sums->least);
     free(sums->rows);
 }
 
@@ -211,6 +215,24 @@ WIDEST static void find_means(const double *restrict variance, const double *res
     }
 }
 
+/* What bins of OWN heard, the least within REACH of each, to ROW: an echo that has left a bin is not missed there. Bins of
+ * data/scenes/mission_fan.yaml that are said not to be known: 0.04 %, by what each heard 1.2 %. AHEAD has room for the
+ * bins that are less than all before them. */
+static void find_least(const asdic_stated_error *own, size_t reach, size_t bins, size_t *ahead,
+                       asdic_stated_error *row) {
+    size_t first = 0, end = 0;
+    for (size_t n = 0, next = 0; n < bins; n++) {
+        for (; next < bins && next <= n + reach; next++) {
+            while (end > first && own[ahead[end - 1]].mean_lin >= own[next].mean_lin) {
+                end--;
+            }
+            ahead[end++] = next;
+        }
+        first += ahead[first] + reach < n;
+        row[n].mean_lin = own[ahead[first]].mean_lin;
+    }
+}
+
 const asdic_stated_error *asdic_drift_row(const asdic_simulator *sim, asdic_drift_reach reach,
                                           unsigned worker, size_t beam, bool of_objects) {
     size_t bins = sim->setup.bins;
@@ -227,6 +249,9 @@ const asdic_stated_error *asdic_drift_row(const asdic_simulator *sim, asdic_drif
         float least = stays || sums->mean[n] < 0.0f ? own[n].of_block : 0.0f;
         row[n] = own[n];
         row[n].of_block = least > sums->mean[n] ? least : sums->mean[n];
+    }
+    if (sim->fan.many) {
+        find_least(own, reach.bins, bins, sums->least, row);
     }
     return row;
 }
