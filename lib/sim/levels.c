@@ -63,7 +63,7 @@ WIDEST static void estimate_errors(const asdic_stated_error *restrict stated,
         double by_chance = MOST_BY_CHANCE * MOST_BY_CHANCE * of_block * mean2;
         double least2 = missed * missed < by_chance ? LEAST_MISSED * LEAST_MISSED * mean2 : 0.0;
         double known2 = mean2 < less2 ? mean2 : less2 > least2 ? less2 : least2;
-        double own = of_groups * (double)(spread[n] * spread[n]) * energy2;
+        double own = of_groups * ((double)(spread[n] * spread[n]) * energy2);
         double variance = ASDIC_OWN_PING * own + of_block * (energy2 > known2 ? energy2 : known2);
         variance = (variance > own ? variance : own) + (double)stated[n].rare * known2;
         error[n] = sqrt(variance);
@@ -85,7 +85,8 @@ WIDEST static void restate_objects(float ratio, const float *restrict spread,
         bool is_ruled = objects_rule(object[n], multipath[n], energy[n]);
         float random = ASDIC_NO_LATTICE * spread[n] * spread[n];
         float own = ratio > random ? ratio : random < 1.0f ? random : 1.0f;
-        double least = is_ruled ? (double)(sqrtf(own) * spread[n]) * energy[n] : 0.0;
+        double groups = (double)(spread[n] * spread[n]) * (energy[n] * energy[n]);
+        double least = is_ruled ? sqrt((double)own * groups) : 0.0;
         error[n] = error[n] > least ? error[n] : least;
     }
 }

@@ -219,11 +219,12 @@ static void forgotten_errors_are_of_groups(void **state) {
     rig_destroy(&r);
 }
 
+enum { BIN = 60 };
+
 /* What one bin of a ping states, of a STATED error that holds for pings with FACTOR times its echo, in echoes: the
  * noise takes nothing of that. */
 static double stated_by(asdic_simulator *sim, const ping_rig *r, asdic_stated_error stated,
                         double factor, asdic_ping *ping) {
-    enum { BIN = 60 };
     double echo = ping->intensity_lin[ASDIC_TOTAL][BIN] - ping->intensity_lin[ASDIC_NOISE][BIN];
     stated.mean_lin = (float)(factor * echo);
     sim->learnt.stated[BIN] = stated;
@@ -232,21 +233,24 @@ static double stated_by(asdic_simulator *sim, const ping_rig *r, asdic_stated_er
     return ping->stderr_db[BIN] * log(10.0) / 10.0 * total / echo;
 }
 
-/* The law in simulator.h; a ping of less than the block's knows less, up to the root of five times, and no level is
- * known worse than twice itself. */
+/* The law in simulator.h and levels.c; a ping of less than the block's knows less, up to the root of five times its
+ * total, but a quarter of the block's where chance may miss that much, and no level is known worse than twice itself. */
 static void errors_are_stated_by_their_law(void **state) {
     (void)state;
     ping_rig r = rig_create(&t);
     asdic_ping *ping = NULL;
     r.sonar.receiver_count = 1;
     r.sonar.noise_enabled = true;
-    r.sonar.source_level_db = 70.0; /* echoes about as loud as the noise */
+    r.sonar.source_level_db = 156.0; /* echoes about as loud as the noise */
     r.sampling.rays = 4096;
     asdic_simulator *sim = rig_simulator(&r);
     assert_ok(t.ctx, asdic_ping_create(t.ctx, 1, asdic_simulator_bin_count(sim), &ping));
     assert_ok(t.ctx, asdic_simulator_ping(sim, &r.pose, 0, ping));
     double groups = stated_by(sim, &r, (asdic_stated_error){.of_groups = 1.0f}, 1.0, ping);
-    double own = groups * groups;
+    double own = groups * groups, noise = ping->intensity_lin[ASDIC_NOISE][BIN];
+    double total = ping->intensity_lin[ASDIC_TOTAL][BIN], all = total / (total - noise);
+    double all2 = all * all; /* the total in echoes, squared */
+    assert_true(all2 > 2.0 && all2 < 8.0);
     const struct {
         double of_groups, of_block, rare, factor, variance;
     } cases[] = {
@@ -255,12 +259,16 @@ static void errors_are_stated_by_their_law(void **state) {
         {2.0, 3.0 * own, 0.0, 1.0, 3.8 * own},
         {0.0, 0.01, 0.0, 0.5, 0.01},
         {0.0, 0.01, 0.0, 2.0, 0.04},
-        {0.0, 0.01, 0.0, 3.0, 0.05},
+        {0.0, 0.01, 0.0, 3.0, 0.09},
+        {0.0, 0.01, 0.0, 8.0, 0.05 * all2},
         {0.0, 0.01, 0.02, 1.0, 0.03},
         {0.0, 0.01, 0.02, 0.5, 0.015},
-        {0.0, 0.01, 0.02, 3.0, 0.15},
+        {0.0, 0.01, 0.02, 8.0, 0.15 * all2},
+        {0.0, 0.05, 0.0, 40.0, 5.0},         /* a quarter of 40 is 10 */
+        {0.0, 0.03, 0.0, 40.0, 0.15 * all2}, /* more than five standard errors are missing */
         {0.0, 3.9, 0.0, 1.0, 3.9},
-        {0.0, 1.0, 7.0, 1.0, 4.0},
+        {0.0, 1.0, 7.0, 1.0, 8.0},
+        {0.0, 30.0, 7.0, 1.0, 4.0 * all2},
     };
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         const asdic_stated_error e = {.of_groups = (float)cases[k].of_groups,
