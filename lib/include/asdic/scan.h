@@ -43,8 +43,8 @@ ASDIC_API void asdic_scan_destroy(asdic_scan **scan);
 ASDIC_API void asdic_scan_set_sound_speed(asdic_scan *scan, double sound_speed_mps);
 
 /* Decides about INTENSITY_LIN[beam * bins + bin]. EXPECTED_LIN: the background's mean, noise
- * included; NULL with CFAR. NOISE_LIN: the noise in it, and all
- * else without texture (detect.h), for K speckle; NULL: none.
+ * included; NULL with CFAR. NOISE_LIN: the noise in it, and all else without texture (detect.h),
+ * for K speckle; NULL: none.
  * STDERR_DB: the sampling error of simulated intensities, as a ping states it; NULL: none. It
  * spreads them, so that a threshold by pfa is higher: by 0.01 dB for an error of 0.14 dB, 0.05 for
  * 0.3, 0.2 for 0.6 and 0.8 for 1.4 (one look, P_FA 1e-3). */
