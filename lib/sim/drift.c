@@ -2,10 +2,10 @@
  * Over rough terrain and past objects, edges move to other bins as a vehicle goes on, and with them the errors that a
  * few of the rays make there. A cell then states what the cells learnt, on average, from which its echo may have
  * come; of many receivers, whose rays tell nothing of their own error, no less than it learnt itself: what stays
- * where it is errs as before; and what a ping may have missed is no more than each of those cells heard. Over
- * terrain.ply, 96 beams 6 m above it that had gone 4 m ahead erred by 2.3 dB r.m.s.; true over stated error was 3.7
- * by what the cells had learnt, and would be 1.5 by the mean and 1.4 by the larger of both. Eight beams that had come
- * 4 m nearer to objects in open water: 5.4 before, 1.1 by the mean.
+ * where it is errs as before. What a ping may have missed is no more than each of those bins heard: nothing, where
+ * echoes may have gone to other beams. Over terrain.ply, 96 beams 6 m above it that had gone 4 m ahead erred by 2.3 dB
+ * r.m.s.; true over stated error was 3.7 by what the cells had learnt, and would be 1.5 by the mean and 1.4 by the
+ * larger of both. Eight beams that had come 4 m nearer to objects in open water: 5.4 before, 1.1 by the mean.
  */
 #include "drift.h"
 
@@ -16,6 +16,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* Cells from which an echo may have come reach over so many times the way: the nearest ones alone have a poor mean
  * (of the 96 beams 1.7 by once the way, 1.5 by twice, 1.4 by three times). */
@@ -168,7 +169,8 @@ static asdic_drift_reach reach_of(const asdic_simulator *sim, moved way) {
         .beams = spacing > 0.0 ? cells_of(way.turn_rad, spacing, sonar->receiver_count) : 0};
 }
 
-/* Of few receivers the rays that meet a moved object show its error, and the rest, which stays, errs as it did. */
+/* Of few receivers the rays that meet a moved object show its error, and the rest, which stays, errs as it did; what the
+ * vehicle's own way takes to other bins they show as well, so that objects alone may be gone. */
 asdic_drift asdic_drift_since(const asdic_simulator *sim, const asdic_pose *pose) {
     const asdic_pose *then = &sim->learnt.lesson.pose;
     if (!sim->learnt.drift || sim->learnt.lesson.is_even) {
@@ -178,11 +180,16 @@ asdic_drift asdic_drift_since(const asdic_simulator *sim, const asdic_pose *pose
           vehicle = {.way_m = way_between(pose, then),
                      .turn_rad = fabs(remainder(pose->yaw_rad - then->yaw_rad, 2.0 * ASDIC_PI))};
     moved both = {vehicle.way_m + objects.way_m, fmax(vehicle.turn_rad, objects.turn_rad)};
+    moved own = sim->fan.many ? vehicle : (moved){0};
+    moved gone = {.way_m = own.way_m + objects.way_m,
+                  .turn_rad =
+                      objects.way_m > 0.0 ? fmax(own.turn_rad, objects.turn_rad) : own.turn_rad};
     return (asdic_drift){
         .is_any = both.way_m > 0.0 || both.turn_rad > 0.0 || pose->roll_rad != then->roll_rad ||
                   pose->pitch_rad != then->pitch_rad,
         .others = reach_of(sim, vehicle),
-        .objects = reach_of(sim, sim->fan.many && objects.way_m > 0.0 ? both : vehicle)};
+        .objects = reach_of(sim, sim->fan.many && objects.way_m > 0.0 ? both : vehicle),
+        .heard = reach_of(sim, gone)};
 }
 
 /* Sums over the bins before each of BEAM's, between margins; of the receivers within REACH of it. */
@@ -233,25 +240,40 @@ static void find_least(const asdic_stated_error *own, size_t reach, size_t bins,
     }
 }
 
-const asdic_stated_error *asdic_drift_row(const asdic_simulator *sim, asdic_drift_reach reach,
+/* ROW is OWN, but for the error of the block. */
+static void restate_block(const asdic_simulator *sim, const asdic_stated_error *own,
+                          const float *mean, asdic_stated_error *row) {
+    for (size_t n = 0; n < sim->setup.bins; n++) {
+        bool stays = sim->fan.many && is_known(sim, &own[n]);
+        float least = stays || mean[n] < 0.0f ? own[n].of_block : 0.0f;
+        row[n] = own[n];
+        row[n].of_block = least > mean[n] ? least : mean[n];
+    }
+}
+
+const asdic_stated_error *asdic_drift_row(const asdic_simulator *sim, const asdic_drift *drift,
                                           unsigned worker, size_t beam, bool of_objects) {
+    const asdic_drift_reach reach = of_objects ? drift->objects : drift->others;
+    const asdic_drift_reach heard = drift->heard;
     size_t bins = sim->setup.bins;
     const asdic_stated_error *own = sim->learnt.stated + beam * bins;
-    if (reach.bins == 0 && reach.beams == 0) {
+    if (reach.bins + reach.beams + heard.bins + heard.beams == 0) {
         return own;
     }
     window_sums *sums = &sim->learnt.drift->sums[worker];
     asdic_stated_error *row = sums->rows + of_objects * bins;
-    sum_bins(sim, beam, reach, sums);
-    find_means(sums->variance, sums->count, 2 * reach.bins + 1, bins, sums->mean);
-    for (size_t n = 0; n < bins; n++) {
-        bool stays = sim->fan.many && is_known(sim, &own[n]);
-        float least = stays || sums->mean[n] < 0.0f ? own[n].of_block : 0.0f;
-        row[n] = own[n];
-        row[n].of_block = least > sums->mean[n] ? least : sums->mean[n];
+    if (reach.bins + reach.beams > 0) {
+        sum_bins(sim, beam, reach, sums);
+        find_means(sums->variance, sums->count, 2 * reach.bins + 1, bins, sums->mean);
+        restate_block(sim, own, sums->mean, row);
+    } else {
+        memcpy(row, own, bins * sizeof *row);
     }
-    if (sim->fan.many) {
-        find_least(own, reach.bins, bins, sums->least, row);
+    for (size_t n = 0; heard.beams > 0 && n < bins; n++) {
+        row[n].mean_lin = 0.0f;
+    }
+    if (heard.beams == 0 && heard.bins > 0) {
+        find_least(own, heard.bins, bins, sums->least, row);
     }
     return row;
 }

@@ -14,6 +14,7 @@ typedef struct asdic_drift_reach {
 typedef struct asdic_drift {
     bool is_any; /* echoes of objects and terrain may lie elsewhere than where they were learnt */
     asdic_drift_reach others, objects; /* of what objects rule, and of what they do not */
+    asdic_drift_reach heard;           /* from where an echo may be gone that was learnt */
 } asdic_drift;
 
 /* Takes down the errors that were just learnt, where they will drift: over anything but planes. */
@@ -22,9 +23,9 @@ void asdic_drift_destroy(asdic_drift_store **store);
 
 asdic_drift asdic_drift_since(const asdic_simulator *sim, const asdic_pose *pose);
 
-/* How BEAM's bins state their errors, with echoes from as far as REACH; WORKER's until it asks for the next of the same
- * kind, OF_OBJECTS or not. */
-const asdic_stated_error *asdic_drift_row(const asdic_simulator *sim, asdic_drift_reach reach,
+/* How BEAM's bins state their errors since DRIFT, those that objects rule or the others; WORKER's until it asks for the
+ * next of the same kind. */
+const asdic_stated_error *asdic_drift_row(const asdic_simulator *sim, const asdic_drift *drift,
                                           unsigned worker, size_t beam, bool of_objects);
 
 #endif

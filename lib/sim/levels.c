@@ -96,7 +96,7 @@ WIDEST static void restate_objects(float ratio, const float *restrict spread,
 
 /* An ERROR of TOTAL, both linear, in dB. */
 static double error_db(double error, double total) {
-    double part = error / total;
+    double part = total > 0.0 ? error / total : 0.0;
     return TO_DB * (part < MOST_ERROR ? part : MOST_ERROR);
 }
 
@@ -108,7 +108,7 @@ WIDEST static void end_cells(const double *restrict echo, double noise_lin,
         double sum = echo[n] + noise_lin;
         noise[n] = noise_lin;
         total[n] = sum;
-        stderr_db[n] = sum > 0.0 ? (float)error_db(error[n], sum) : 0.0f;
+        stderr_db[n] = (float)error_db(error[n], sum);
     }
 }
 
@@ -213,7 +213,7 @@ static void convert_beam(const conversion *k, unsigned worker, size_t beam) {
     const float *spread = (const float *)(quanta + sim->setup.components * sim->setup.cells + 1);
     size_t first = beam * sim->setup.bins;
     double noise_lin = noise_of(k, beam), gain = gain_of(k, beam);
-    const asdic_stated_error *stated = asdic_drift_row(sim, k->drift.others, worker, beam, false);
+    const asdic_stated_error *stated = asdic_drift_row(sim, &k->drift, worker, beam, false);
     for (size_t n = 0; n < sim->setup.bins; n += BLOCK) {
         size_t count = sim->setup.bins - n < BLOCK ? sim->setup.bins - n : BLOCK, at = first + n;
         double echo[BLOCK] = {0.0};
@@ -315,11 +315,11 @@ static void convert_fan_beam(const conversion *k, unsigned worker, size_t beam) 
     const asdic_ping_shot *shot = k->shot;
     size_t first = beam * sim->setup.bins, bins = sim->setup.bins;
     double noise_lin = noise_of(k, beam), gain = gain_of(k, beam);
-    const asdic_stated_error *others = asdic_drift_row(sim, k->drift.others, worker, beam, false);
+    const asdic_stated_error *others = asdic_drift_row(sim, &k->drift, worker, beam, false);
     bool is_moved = k->drift.objects.bins != k->drift.others.bins ||
                     k->drift.objects.beams != k->drift.others.beams;
     const asdic_stated_error *objects =
-        is_moved ? asdic_drift_row(sim, k->drift.objects, worker, beam, true) : NULL;
+        is_moved ? asdic_drift_row(sim, &k->drift, worker, beam, true) : NULL;
     if (beam % WATER_BEAMS == 0) {
         convert_fan_water(k, beam);
     }

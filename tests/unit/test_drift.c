@@ -85,25 +85,30 @@ static float stated_by(const rig *r, asdic_drift_reach reach, size_t beam, size_
     return stays ? fmaxf(own, count < 1.0 ? 0.0f : (float)(sum / count)) : (float)(sum / count);
 }
 
-/* Of many receivers what was missed in BEAM's bin N is no more than what its own within REACH heard. */
+/* What was missed in BEAM's bin N is no more than its own within REACH heard; nothing is known to be, where echoes went to
+ * other beams. */
 static float heard_by(const rig *r, asdic_drift_reach reach, size_t beam, size_t n) {
     float least = r->stated[beam * BINS + n].mean_lin;
-    for (size_t k = 0; k < BINS && r->sim->fan.many; k++) {
+    for (size_t k = 0; k < BINS; k++) {
         bool counts = k <= n + reach.bins && n <= k + reach.bins;
         least = counts ? fminf(least, r->stated[beam * BINS + k].mean_lin) : least;
     }
-    return least;
+    return reach.beams > 0 ? 0.0f : least;
 }
 
-static void check_rows(const rig *r, asdic_drift_reach reach) {
+static void check_rows(const rig *r, const asdic_drift *drift) {
     for (size_t beam = 0; beam < r->sim->setup.sonar.receiver_count; beam++) {
-        const asdic_stated_error *rows[] = {asdic_drift_row(r->sim, reach, 1, beam, false),
-                                            asdic_drift_row(r->sim, reach, 1, beam, true)};
+        const asdic_stated_error *rows[] = {asdic_drift_row(r->sim, drift, 1, beam, false),
+                                            asdic_drift_row(r->sim, drift, 1, beam, true)};
+        const asdic_drift_reach reaches[] = {drift->others, drift->objects};
         for (size_t n = 0; n < BINS; n++) {
             asdic_stated_error own = r->stated[beam * BINS + n];
             for (int k = 0; k < 2; k++) {
-                assert_close_relative(rows[k][n].of_block, stated_by(r, reach, beam, n), 1e-6);
-                assert_true(rows[k][n].mean_lin == heard_by(r, reach, beam, n));
+                bool stays = reaches[k].bins + reaches[k].beams == 0;
+                assert_close_relative(rows[k][n].of_block,
+                                      stays ? own.of_block : stated_by(r, reaches[k], beam, n),
+                                      1e-6);
+                assert_true(rows[k][n].mean_lin == heard_by(r, drift->heard, beam, n));
                 assert_true(rows[k][n].of_groups == own.of_groups && rows[k][n].rare == own.rare);
             }
         }
@@ -112,15 +117,21 @@ static void check_rows(const rig *r, asdic_drift_reach reach) {
 
 static void cells_state_what_those_around_learnt(void **state) {
     (void)state;
-    static const asdic_drift_reach reaches[] = {{0, 0}, {1, 0},     {4, 0},   {0, 2},
-                                                {3, 1}, {5, BEAMS}, {BINS, 3}};
+    static const asdic_drift ways[] = {{.heard = {0, 0}},
+                                       {.others = {1, 0}, .objects = {4, 0}, .heard = {1, 0}},
+                                       {.others = {4, 0}, .objects = {4, 0}},
+                                       {.others = {0, 2}, .objects = {3, 1}, .heard = {2, 0}},
+                                       {.others = {5, BEAMS}, .heard = {0, 1}},
+                                       {.objects = {BINS, 3}, .heard = {BINS, 0}},
+                                       {.heard = {3, 0}},
+                                       {.heard = {3, 2}}};
     for (int many = 0; many < 2; many++) {
         rig r;
         learn(&r, many ? BEAMS : 3, many);
-        for (size_t i = 0; i < sizeof reaches / sizeof *reaches; i++) {
-            check_rows(&r, reaches[i]);
+        for (size_t i = 0; i < sizeof ways / sizeof *ways; i++) {
+            check_rows(&r, &ways[i]);
         }
-        assert_ptr_equal(asdic_drift_row(r.sim, reaches[0], 0, 1, false), r.stated + BINS);
+        assert_ptr_equal(asdic_drift_row(r.sim, &ways[0], 0, 1, false), r.stated + BINS);
         forget(&r);
     }
 }
@@ -152,6 +163,7 @@ static void ways_are_counted_in_cells(void **state) {
         drift = asdic_drift_since(r.sim, &pose);
         assert_true(drift.is_any);
         assert_reach(drift.others, 0, 3 < most ? 3 : most);
+        assert_reach(drift.heard, 0, many ? 3 : 0);
         pose.yaw_rad = 6.2 + 3.0;
         assert_reach(asdic_drift_since(r.sim, &pose).others, 0, most);
         pose.yaw_rad = 6.2;
@@ -160,6 +172,7 @@ static void ways_are_counted_in_cells(void **state) {
         assert_true(drift.is_any);
         assert_reach(drift.others, 3, 0);
         assert_reach(drift.objects, 3, 0);
+        assert_reach(drift.heard, many ? 3 : 0, 0);
         /* The object, 9 m north and 2 west, comes 3 m south and 4 east: from -0.2187 to 0.3218 rad. */
         pose = r.sim->learnt.lesson.pose;
         r.object.position_m = (asdic_vec3){7.0, 4.0, 5.0};
@@ -171,7 +184,9 @@ static void ways_are_counted_in_cells(void **state) {
         } else { /* whose own rays show it */
             assert_reach(drift.objects, 0, 0);
         }
+        assert_reach(drift.heard, 20, many ? 11 : 3);
         pose.position_m.z += 0.5;
+        assert_reach(asdic_drift_since(r.sim, &pose).heard, many ? 22 : 20, many ? 11 : 3);
         assert_reach(asdic_drift_since(r.sim, &pose).objects, many ? 22 : 2, many ? 11 : 0);
         pose.position_m.z += 20.0;
         assert_reach(asdic_drift_since(r.sim, &pose).others, BINS, 0);
