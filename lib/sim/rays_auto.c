@@ -29,7 +29,7 @@
 #define OVER_PLANES 4.0
 #define OVER_MIRRORS 8.0
 #define OVER_PLANES_LIT_WIDE 20.0 /* mirrors or not */
-#define LIT_WIDE 4.0              /* times as wide as a beam is the transmitter, or more */
+#define LIT_WIDE 4.0 /* times as wide as the narrowest beam is the transmitter, or more */
 #define OVER_MESHES 32.0
 #define OVER_MESHES_OF_FEW 128.0
 #define MOST_OF_FEW 400000.0
@@ -53,7 +53,7 @@ static double width_rad(double length_wl) {
 }
 
 /* A beam that is not joined to the others yet: its half-power widths, and how near the nearest one that is joined lies,
- * in these, squared. */
+ * in widths of the narrower of both, squared. */
 typedef struct lone_beam {
     const asdic_beam *beam;
     asdic_vec3 axis;
@@ -63,12 +63,13 @@ typedef struct lone_beam {
 /* Sides, not yaw and pitch, tell how far one beam is from another: in a fan that looks down, or is
  * rolled, the narrow one lies along neither. Sines bound the angles, and spare most pairs the
  * arcs. */
-static void meet(lone_beam *lone, const asdic_face *joined) {
-    asdic_vec3 v = asdic_mat3_apply(joined->world_to_face, lone->axis);
-    double across = v.y / lone->wide, down = v.z / lone->high;
+static void meet(lone_beam *lone, const lone_beam *joined, const asdic_face *face) {
+    asdic_vec3 v = asdic_mat3_apply(face->world_to_face, lone->axis);
+    double wide = fmin(lone->wide, joined->wide), high = fmin(lone->high, joined->high);
+    double across = v.y / wide, down = v.z / high;
     if (across * across + fmin(down * down, 1.0) < lone->nearest2) {
-        across = atan2(v.y, v.x) / lone->wide;
-        down = asin(fmin(fmax(v.z, -1.0), 1.0)) / lone->high;
+        across = atan2(v.y, v.x) / wide;
+        down = asin(fmin(fmax(v.z, -1.0), 1.0)) / high;
         lone->nearest2 = fmin(lone->nearest2, across * across + fmin(down * down, 1.0));
     }
 }
@@ -99,13 +100,15 @@ static cells beams_apart(const asdic_sonar *sonar, double wavelength_m) {
                               width_rad(face.length_v_wl),
                               INFINITY};
     }
-    double whole = 0.0, bounded = 0.0, steps = 0.0, wide = lone[0].wide;
+    double whole = 0.0, bounded = 0.0, steps = 0.0, narrowest = INFINITY;
     for (size_t next = 0; left > 0;) {
-        asdic_face joined = asdic_face_aim(lone[next].beam, &level, wavelength_m);
+        const lone_beam joined = lone[next];
+        asdic_face face = asdic_face_aim(joined.beam, &level, wavelength_m);
+        narrowest = fmin(narrowest, joined.wide);
         lone[next] = lone[--left];
         next = 0;
         for (size_t k = 0; k < left; k++) {
-            meet(&lone[k], &joined);
+            meet(&lone[k], &joined, &face);
             next = lone[k].nearest2 < lone[next].nearest2 ? k : next;
         }
         double step = left > 0 ? sqrt(lone[next].nearest2) : 0.0;
@@ -116,7 +119,8 @@ static cells beams_apart(const asdic_sonar *sonar, double wavelength_m) {
     bool sector = steps >= ASDIC_AIMS_MOST;
     double sum = sector ? whole : bounded;
     double sent = width_rad(sonar->transmitter.length_h_m / wavelength_m);
-    return (cells){fmax(sum + sum / fmax(steps, 1.0), 1.0), !sector && sent >= LIT_WIDE * wide};
+    return (cells){fmax(sum + sum / fmax(steps, 1.0), 1.0),
+                   !sector && sent >= LIT_WIDE * narrowest};
 }
 
 /* Cells that SONAR tells apart; 0 of no sonar. */

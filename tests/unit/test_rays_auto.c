@@ -223,6 +223,34 @@ static void few_beams_under_a_wide_transmitter_ask_for_more(void **state) {
     assert_in_range(asdic_rays_auto(&sonar, SPEED, ASDIC_OVER_PLANES), 120000, 135000);
 }
 
+/* A narrow beam and a wide one, a narrow one between two, listed to and fro. */
+static void beams_are_counted_in_any_order(void **state) {
+    (void)state;
+    static const double sets[][3][2] = {/* degrees, metres */
+                                        {{0.0, 0.2}, {5.0, 0.004}, {5.0, 0.004}},
+                                        {{0.0, 0.05}, {1.0, 0.75}, {4.0, 0.1}}};
+    for (size_t k = 0; k < sizeof sets / sizeof *sets; k++) {
+        uint32_t rays[2];
+        for (int turn = 0; turn < 2; turn++) {
+            asdic_beam beams[3];
+            asdic_sonar sonar = asdic_sonar_default();
+            for (int i = 0; i < 3; i++) {
+                beams[i] = sonar.transmitter;
+                beams[i].yaw_rad = sets[k][turn ? 2 - i : i][0] * 3.14159265 / 180.0;
+                beams[i].length_h_m = sets[k][turn ? 2 - i : i][1];
+            }
+            sonar.transmitter.length_h_m = 0.01;
+            sonar.receivers = beams;
+            sonar.receiver_count = 3;
+            sonar.bin_length_m = 0.01;
+            sonar.ping_rate_hz = SPEED / (2.0 * 50.0);
+            rays[turn] = asdic_rays_auto(&sonar, SPEED, ASDIC_OVER_PLANES);
+        }
+        assert_in_range(rays[0], 20001, 500000); /* within the limits */
+        assert_int_equal(rays[0], rays[1]);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(overlap_asks_for_nothing),
@@ -236,6 +264,7 @@ int main(void) {
         cmocka_unit_test(the_way_a_fan_looks_does_not_count),
         cmocka_unit_test(error_is_foretold),
         cmocka_unit_test(few_beams_under_a_wide_transmitter_ask_for_more),
+        cmocka_unit_test(beams_are_counted_in_any_order),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
