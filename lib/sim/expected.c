@@ -232,6 +232,15 @@ static double lower_than(const asdic_ring *kept, const asdic_ring *ring) {
                : axis_elevation(&ring->receiver) - axis_elevation(&kept->receiver);
 }
 
+/* Beyond this a turn moves a beam's axis across the circles of one elevation rather than along: of a beam that looks down
+ * the profile is that of its very attitude. */
+#define STEEP_RAD (60.0 * ASDIC_PI / 180.0)
+
+static bool is_steep(const asdic_ring *ring) {
+    return fmax(fabs(axis_elevation(&ring->receiver)), fabs(axis_elevation(&ring->transmitter))) >
+           STEEP_RAD;
+}
+
 /* The boundaries and the water. */
 static asdic_status compute_echoes(asdic_context *ctx, const among *with,
                                    const asdic_flat_laws *laws, const asdic_environment *env,
@@ -251,6 +260,7 @@ static asdic_status compute_echoes(asdic_context *ctx, const among *with,
                              .yaw_rad = pose->yaw_rad};
     for (size_t b = 0; b < ping->beams; b++) {
         rings[b] = aim(sonar, b, &kept, wavelength_m);
+        rings[b] = is_steep(&rings[b]) ? aim(sonar, b, pose, wavelength_m) : rings[b];
     }
     asdic_status status = asdic_ring_shelf_take(with->shelf, rings, ping->beams, &view.profiles);
     for (size_t b = 0; b < ping->beams && !status; b++) {
