@@ -25,9 +25,9 @@ typedef struct ros2_server {
     bool told_frame, told_refusal, told_clock;
 } ros2_server;
 
-static int64_t wall_ns(void) {
+static int64_t clock_ns(void) {
     struct timespec now;
-    clock_gettime(CLOCK_REALTIME, &now);
+    clock_gettime(CLOCK_MONOTONIC, &now);
     return (int64_t)now.tv_sec * 1000000000 + now.tv_nsec;
 }
 
@@ -36,9 +36,9 @@ static bool find_time(ros2_server *s, const asdic_ros_stamped *pose, int64_t *ou
     *out = pose->time_ns;
     bool good = !s->options->has_sim_time || ros2_node_clock(s->node, out);
     if (!good && !s->without_clock_ns) {
-        s->without_clock_ns = wall_ns();
+        s->without_clock_ns = clock_ns();
     }
-    if (!good && !s->told_clock && wall_ns() - s->without_clock_ns > CLOCK_PATIENCE_NS) {
+    if (!good && !s->told_clock && clock_ns() - s->without_clock_ns > CLOCK_PATIENCE_NS) {
         cli_warning(s->c, "there are poses but no /clock yet; --sim-time waits for it");
         s->told_clock = true;
     }
@@ -51,7 +51,7 @@ static bool find_time(ros2_server *s, const asdic_ros_stamped *pose, int64_t *ou
 static bool is_due(ros2_server *s, int64_t time_ns) {
     bool is_untimed = !s->options->has_sim_time && time_ns == 0 && s->last_ns == 0;
     bool leapt = time_ns < s->last_ns;
-    int64_t now_ns = wall_ns();
+    int64_t now_ns = clock_ns();
     int64_t left_ns = is_untimed ? s->made_ns + s->period_ns - now_ns : s->due_ns - time_ns;
     if (s->pings && !leapt && left_ns > s->period_ns / 10) {
         return false;

@@ -405,7 +405,8 @@ static size_t find_loudest(reader *r, size_t bin) {
     }
     for (size_t i = 0; i < f->arcs * f->azimuths && loudest != SIZE_MAX; i++) {
         const asdic_heading *h = &f->headings[i];
-        for (size_t k = 0; k < h->hearing_count && hears(r, h, loudest); k++) {
+        size_t heard = hears(r, h, loudest) ? h->hearing_count : 0;
+        for (size_t k = 0; k < heard; k++) {
             r->is_compared[f->hearings[h->hearing + k].beam] = true;
         }
     }

@@ -39,7 +39,7 @@ static asdic_status begin(asdic_mcap_recording *r, asdic_context *ctx, const cha
     TRY(asdic_ros_create(ctx, &all, &r->ros));
     TRY(asdic_mcap_create(ctx, path, "asdic", facts, &r->mcap));
     for (unsigned i = 0; i < ASDIC_ROS_OUTPUT_COUNT; i++) {
-        r->outputs &= asdic_ros_has(r->ros, i) ? ~0u : ~(1u << i);
+        r->outputs &= topics[i] && asdic_ros_has(r->ros, i) ? ~0u : ~(1u << i);
         if (r->outputs & 1u << i) {
             r->channels[i] = asdic_mcap_channel(r->mcap, topics[i], asdic_ros_type_of(i));
         }
