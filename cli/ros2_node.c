@@ -45,9 +45,10 @@ static const struct {
     const dds_topic_descriptor_t *type;
     bool is_shared; /* that is its whole name, and who listens asks for reliable delivery */
 } outputs[ASDIC_ROS_OUTPUT_COUNT] = {
-    [ASDIC_ROS_SONAR] = {"/sonar", &marine_acoustic_msgs_msg_dds__ProjectedSonarImage__desc},
-    [ASDIC_ROS_PICTURE] = {"/image", &sensor_msgs_msg_dds__Image__desc},
-    [ASDIC_ROS_DETECTIONS] = {"/detections", &marine_acoustic_msgs_msg_dds__SonarDetections__desc},
+    [ASDIC_ROS_SONAR] = {"/sonar", &marine_acoustic_msgs_msg_dds__ProjectedSonarImage__desc, false},
+    [ASDIC_ROS_PICTURE] = {"/image", &sensor_msgs_msg_dds__Image__desc, false},
+    [ASDIC_ROS_DETECTIONS] = {"/detections", &marine_acoustic_msgs_msg_dds__SonarDetections__desc,
+                              false},
     [ASDIC_ROS_HEAD] = {"/tf", &tf2_msgs_msg_dds__TFMessage__desc, true},
 };
 
