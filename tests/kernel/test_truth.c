@@ -501,7 +501,7 @@ static void mirrors_are_told_apart(void **state) {
 /* Of a pulse that reaches beyond the last bin the rest is lost, and what is heard arrives from where the point is. */
 static void a_pulse_at_the_end_arrives_from_its_object(void **state) {
     (void)state;
-    const kind k = {"a long pulse", 3, ASDIC_MULTIPATH_OFF, 0.0, 100.0};
+    const kind k = {.name = "a long pulse", .beams = 3, .bandwidth_hz = 100.0};
     ping_rig r = make_rig(&k, 0);
     asdic_scene_destroy(&r.scene);
     assert_ok(t.ctx, asdic_scene_create(t.ctx, &r.scene));

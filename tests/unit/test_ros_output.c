@@ -458,7 +458,8 @@ static void not_all_sonars_have_a_picture(void **state) {
         sonar.receivers = rows[i].beams;
         asdic_ros *ros = ros_of(&sonar, rows[i].sweep);
         for (unsigned k = 0; k < ASDIC_ROS_OUTPUT_COUNT; k++) {
-            bool has = k == ASDIC_ROS_HEAD ? rows[i].sweep : k != ASDIC_ROS_PICTURE || rows[i].has;
+            bool has =
+                k == ASDIC_ROS_HEAD ? rows[i].sweep != NULL : k != ASDIC_ROS_PICTURE || rows[i].has;
             assert_int_equal(asdic_ros_has(ros, k), has);
         }
         assert_false(asdic_ros_has(ros, (asdic_ros_output)-1));
