@@ -42,7 +42,6 @@
 #define PLANES_MORE 0.75
 #define MIRRORS_TIMES 1.3 /* more, where these mirror */
 #define MOST_DB 6.5       /* bins that few rays meet, or none */
-#define MOST_BEAMS 4096   /* of a sonar */
 #define ALIKE 1e-6        /* nearer, in half-power widths, is the same aim, but for rounding */
 
 /* Half-power width of an aperture of LENGTH wavelengths, sinc^2 (sin(x) / x = 1 / sqrt 2 at x = 1.3916), at
@@ -88,8 +87,9 @@ typedef struct cells {
  */
 static cells beams_apart(const asdic_sonar *sonar, double wavelength_m) {
     const asdic_pose level = {0};
-    lone_beam lone[MOST_BEAMS];
-    size_t left = sonar->receiver_count < MOST_BEAMS ? sonar->receiver_count : MOST_BEAMS;
+    lone_beam lone[ASDIC_SONAR_MAX_RECEIVERS];
+    size_t left = sonar->receiver_count < ASDIC_SONAR_MAX_RECEIVERS ? sonar->receiver_count
+                                                                    : ASDIC_SONAR_MAX_RECEIVERS;
     for (size_t k = 0; k < left; k++) {
         const asdic_beam *beam = &sonar->receivers[k];
         asdic_face face = asdic_face_aim(beam, &level, wavelength_m);

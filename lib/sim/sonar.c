@@ -8,7 +8,6 @@
 
 #include "../../kernels/water.h"
 
-#define MAX_RECEIVERS 4096
 /* Bins are counted in the slowest water that an environment can have, where a range holds fewest: a scene
  * that is within the limit in its own water is then within it here. */
 #define SLOWEST_MPS 1300.0
@@ -99,7 +98,7 @@ asdic_status asdic_sonar_check(asdic_context *ctx, const asdic_sonar *sonar) {
         {"source_level_db", "dB", sonar->source_level_db, -300.0, 300.0},
         {"bin_length_m", "m", sonar->bin_length_m, 1e-3, 1000.0},
         {"blanking_m", "m", sonar->blanking_m, 0.01, 1e4},
-        {"receiver_count", "", (double)sonar->receiver_count, 1.0, MAX_RECEIVERS},
+        {"receiver_count", "", (double)sonar->receiver_count, 1.0, ASDIC_SONAR_MAX_RECEIVERS},
     };
     TRY(check_fields(ctx, "", fields, sizeof fields / sizeof *fields));
     if (!isnan(sonar->max_range_m) && !(sonar->max_range_m > 0.0)) {

@@ -33,6 +33,7 @@ typedef enum asdic_shading {
 } asdic_shading;
 
 #define ASDIC_ARRAY_MAX_ELEMENTS 1024
+#define ASDIC_SONAR_MAX_RECEIVERS 4096
 
 /* Equal elements on a line through the sonar's position, from port to starboard. What coherent
  * pings receive with; the sonar's receivers are the beams that are formed of them. */
@@ -68,7 +69,7 @@ typedef struct asdic_sonar {
     double blanking_m; /* nothing nearer is received */
     asdic_beam transmitter;
     const asdic_beam *receivers; /* borrowed: must outlive the call it is passed to */
-    size_t receiver_count;       /* 1..4096 */
+    size_t receiver_count;       /* 1..ASDIC_SONAR_MAX_RECEIVERS */
     bool noise_enabled;          /* noise in the band, in every bin: ambient, and the sonar's own */
     bool noise_directivity;      /* ambient noise less by the receiver's directivity */
     asdic_speckle speckle;

@@ -38,7 +38,8 @@ static const asdic_word fan_shape_words[] = {
     {"plane", FILE_FAN_PLANE}, {"cone", FILE_FAN_CONE}, {NULL, 0}};
 
 static const asdic_key fan_keys[] = {
-    {"count", ASDIC_KEY_INTEGER, ASDIC_KEY_REQUIRED, AT(file_fan, count), .min = 1, .max = 4096,
+    {"count", ASDIC_KEY_INTEGER, ASDIC_KEY_REQUIRED, AT(file_fan, count), .min = 1,
+     .max = ASDIC_SONAR_MAX_RECEIVERS,
      .doc = "number of beams, named 000, 001, ... from port to starboard"},
     {"sector_deg", ASDIC_KEY_NUMBER, ASDIC_KEY_REQUIRED, AT(file_fan, sector_deg), .unit = "deg",
      .min = 0.001, .max = 360, .doc = "angle that the beams share; each looks along its middle"},
@@ -63,7 +64,8 @@ static const asdic_table element_table = {TABLE(element_keys, file_element),
                                           .doc = "the aperture of an element"};
 static const asdic_key array_beams_keys[] = {
     {"count", ASDIC_KEY_INTEGER, ASDIC_KEY_REQUIRED, AT(file_array_beams, count), .min = 1,
-     .max = 4096, .doc = "number of beams, named 000, 001, ... from port to starboard"},
+     .max = ASDIC_SONAR_MAX_RECEIVERS,
+     .doc = "number of beams, named 000, 001, ... from port to starboard"},
     {"sector_deg", ASDIC_KEY_NUMBER, ASDIC_KEY_REQUIRED, AT(file_array_beams, sector_deg),
      .unit = "deg", .min = 0.001, .max = 180,
      .doc = "angle that the beams share; each looks along its middle"},
@@ -148,8 +150,9 @@ static const asdic_key sonar_keys[] = {
     {"transmitter", ASDIC_KEY_MAP, SONAR(transmitter), .table = &transmitter_table,
      .doc = "the transmitting aperture"},
     {"receivers", ASDIC_KEY_LIST, ASDIC_KEY_REQUIRED | ASDIC_KEY_AT_MOST_ONE, SONAR(receivers),
-     .least = 1, .count = 4096, .unless = "file", .instead = "array", .table = &beam_table,
-     .map_form = &fan_map_table, .map_offset = offsetof(file_sonar, receiver_fan),
+     .least = 1, .count = ASDIC_SONAR_MAX_RECEIVERS, .unless = "file", .instead = "array",
+     .table = &beam_table, .map_form = &fan_map_table,
+     .map_offset = offsetof(file_sonar, receiver_fan),
      .doc = "the receiving apertures: a list, or fan: {count, sector_deg, ...}"},
     {"array", ASDIC_KEY_MAP, ASDIC_KEY_OPTIONAL | ASDIC_KEY_AT_MOST_ONE, SONAR(array),
      .table = &array_table,
