@@ -248,27 +248,27 @@ static asdic_status compute_echoes(asdic_context *ctx, const among *with,
                                    asdic_ping *ping) {
     asdic_bent_view view = {.is_quick = with->is_quick};
     double wavelength_m = laws->water.wavelength_m;
-    asdic_ring *rings = malloc(ping->beams * sizeof *rings);
+    asdic_ring *rings = malloc(2 * ping->beams * sizeof *rings);
     if (!rings) {
         return asdic_fail_memory(ctx, "an expected ping");
     }
+    asdic_ring *kept = rings + ping->beams;
     if (with->is_quick) {
         wavelength_m = exp2(round(WAVELENGTHS * log2(wavelength_m)) / WAVELENGTHS);
     }
-    const asdic_pose kept = {.roll_rad = on_grid(pose->roll_rad, with->step_rad),
+    const asdic_pose near = {.roll_rad = on_grid(pose->roll_rad, with->step_rad),
                              .pitch_rad = on_grid(pose->pitch_rad, with->step_rad),
                              .yaw_rad = pose->yaw_rad};
     for (size_t b = 0; b < ping->beams; b++) {
-        rings[b] = aim(sonar, b, &kept, wavelength_m);
-        rings[b] = is_steep(&rings[b]) ? aim(sonar, b, pose, wavelength_m) : rings[b];
-    }
-    asdic_status status = asdic_ring_shelf_take(with->shelf, rings, ping->beams, &view.profiles);
-    for (size_t b = 0; b < ping->beams && !status; b++) {
-        asdic_ring ring = aim(sonar, b, pose, wavelength_m);
-        asdic_ring_profile_lower(view.profiles[b], lower_than(&rings[b], &ring));
-        rings[b] = ring;
+        rings[b] = aim(sonar, b, pose, wavelength_m);
+        kept[b] = with->step_rad > 0.0 ? aim(sonar, b, &near, wavelength_m) : rings[b];
+        kept[b] = is_steep(&kept[b]) ? rings[b] : kept[b];
     }
     view.rings = rings;
+    asdic_status status = asdic_ring_shelf_take(with->shelf, kept, ping->beams, &view.profiles);
+    for (size_t b = 0; b < ping->beams && !status; b++) {
+        asdic_ring_profile_lower(view.profiles[b], lower_than(&kept[b], &rings[b]));
+    }
     if (!status) {
         status = asdic_environment_bends(env)
                      ? asdic_expected_bent(ctx, laws, env, sonar, &view, ping)

@@ -60,9 +60,8 @@ asdic_layout asdic_layout_default(const asdic_device_info *info);
  * OF_BLOCK comes from the calibration of the block of pings and belongs to pings with the energy MEAN_LIN;
  * a ping with less energy missed something, so that of_block counts for more: of_block and rare are then of a part of
  * MEAN_LIN, see estimate_errors in levels.c. RARE is the variance, relative to MEAN_LIN, of echoes that only few rays
- * bring. With many receivers there is one group:
- * of_block is then all there is, 1 before a calibration and where its pings heard nothing; of_groups is 1
- * where they heard something, else 0. */
+ * bring. With many receivers there is one group: of_block is then all there is, 1 before a calibration and where its
+ * pings heard nothing; of_groups is 1 where they heard something, else 0. */
 #define ASDIC_OWN_PING 0.4
 /* What N rays bring off an object errs by no less than this over N of what random ones would: an edge that three
  * rays hit knows no lattice. */
