@@ -9,6 +9,7 @@
 #ifndef ASDIC_CLI_H
 #define ASDIC_CLI_H
 
+#include <math.h>
 #include <stdio.h>
 #include <sys/types.h>
 
@@ -25,6 +26,11 @@
     } while (0)
 
 #define CLI_PI 3.14159265358979323846
+
+/* Degrees of RAD without the last digits of a conversion, as track.csv has them. */
+static inline double cli_degrees(double rad) {
+    return rint(rad * 180.0 / CLI_PI * 1e9) / 1e9;
+}
 
 /* Exit codes. An interrupted command ends with 128 + signal. */
 #define CLI_OK 0

@@ -30,24 +30,19 @@ bool cli_refract(cli *c, asdic_mission *mission) {
     return !cli_bad_usage(c);
 }
 
-/* Degrees of RAD without the last digits of a conversion. */
-static double degrees(double rad) {
-    return rint(rad * 180.0 / 3.14159265358979323846 * 1e9) / 1e9;
-}
-
 static double turn_s(const asdic_mission *mission, const asdic_sweep *sweep) {
     return (double)sweep->directions / asdic_mission_sonar(mission)->ping_rate_hz;
 }
 
 void cli_scan_words(const asdic_mission *mission, char words[CLI_SCAN_SIZE]) {
     asdic_sweep sweep = asdic_mission_sweep(mission);
-    double half_deg = degrees(asdic_sweep_bearing_rad(&sweep, sweep.directions - 1));
+    double half_deg = cli_degrees(asdic_sweep_bearing_rad(&sweep, sweep.directions - 1));
     words[0] = 0;
     if (sweep.directions == 0) {
         return;
     }
     int used = snprintf(words, CLI_SCAN_SIZE, "%zu directions, %.6g degrees apart, ",
-                        sweep.directions, degrees(sweep.step_rad));
+                        sweep.directions, cli_degrees(sweep.step_rad));
     snprintf(words + used, CLI_SCAN_SIZE - (size_t)used,
              sweep.is_circle ? "round and round; a turn takes %.4g s"
                              : "back and forth; one way takes %.4g s, to %.6g degrees either side",
@@ -61,7 +56,7 @@ void cli_json_scan(json *j, const asdic_mission *mission) {
     }
     json_open(j, "scan", '{');
     json_integer(j, "directions", sweep.directions);
-    json_number(j, "step_deg", degrees(sweep.step_rad));
+    json_number(j, "step_deg", cli_degrees(sweep.step_rad));
     json_bool(j, "circle", sweep.is_circle);
     json_number(j, "turn_s", turn_s(mission, &sweep));
     json_close(j);

@@ -73,10 +73,9 @@ static void put_json_detections(const serve_writer *w, const serve_answer *answe
     fputc(']', w->out);
 }
 
-/* As in track.csv, to whole nanodegrees. */
 static double head_deg(const asdic_loop_ping *ping) {
     size_t direction = asdic_sweep_direction(&ping->sweep, ping->ping);
-    return rint(asdic_sweep_bearing_rad(&ping->sweep, direction) * 180.0 / CLI_PI * 1e9) / 1e9;
+    return cli_degrees(asdic_sweep_bearing_rad(&ping->sweep, direction));
 }
 
 static void write_json(const serve_writer *w, const serve_request *request,

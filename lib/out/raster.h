@@ -43,6 +43,9 @@ size_t asdic_beams_in_fan(const asdic_sonar *sonar);
 /* Whether the beams make a fan: three or more, and all lie in it. */
 bool asdic_beams_make_fan(const asdic_sonar *sonar);
 
+/* Whether the beams of a fan are listed from starboard to port. */
+bool asdic_beams_descend(const asdic_beam *beams, size_t count);
+
 /* The index of the beam of a fan that is number I, from 0, from port. */
 size_t asdic_beam_from_port(const asdic_beam *beams, size_t count, size_t i);
 

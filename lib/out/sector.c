@@ -13,13 +13,12 @@
 /* Steeper than 80 degrees a beam has hardly a bearing. */
 #define STEEP_RAD (80.0 / 180.0 * ASDIC_PI)
 
-/* Whether beams are listed from starboard to port, if they are in order. */
-static bool descends(const asdic_beam *beams, size_t count) {
+bool asdic_beams_descend(const asdic_beam *beams, size_t count) {
     return count > 1 && beams[1].yaw_rad < beams[0].yaw_rad;
 }
 
 size_t asdic_beams_in_fan(const asdic_sonar *sonar) {
-    bool is_down = descends(sonar->receivers, sonar->receiver_count);
+    bool is_down = asdic_beams_descend(sonar->receivers, sonar->receiver_count);
     size_t i = 0;
     for (; i < sonar->receiver_count; i++) {
         const asdic_beam *beam = &sonar->receivers[i];
@@ -33,7 +32,7 @@ size_t asdic_beams_in_fan(const asdic_sonar *sonar) {
 }
 
 size_t asdic_beam_from_port(const asdic_beam *beams, size_t count, size_t i) {
-    return descends(beams, count) ? count - 1 - i : i;
+    return asdic_beams_descend(beams, count) ? count - 1 - i : i;
 }
 
 bool asdic_beams_make_fan(const asdic_sonar *sonar) {

@@ -244,7 +244,7 @@ static asdic_status find_edges(mosaic *m) {
     double *bearing_rad = malloc(m->info.beams * sizeof *bearing_rad);
     m->edges_rad = malloc((m->info.beams + 1) * sizeof *m->edges_rad);
     bool good = bearing_rad && m->edges_rad;
-    bool descends = sonar->receivers[1].yaw_rad < sonar->receivers[0].yaw_rad;
+    bool descends = asdic_beams_descend(sonar->receivers, m->info.beams);
     m->is_line = m->info.sampling.coherent;
     m->fan = m->is_line ? asdic_face_mount(&sonar->array.element) : find_axes(sonar);
     for (size_t b = 0; good && b < m->info.beams; b++) {
