@@ -13,6 +13,7 @@ import tap
 from detections import COARSE, DATA, EMPTY
 from program import Folder, asdic, need_device
 from run_folder import npy
+from scenes import MIRRORED
 
 
 def test_by_cost_a_background_from_neighbours_makes_more_false_alarms():
@@ -439,16 +440,7 @@ def test_mirrors_have_no_texture():
     stand out, which are background here, false alarms were a fifth of what was asked."""
     need_device()
     with Folder() as folder:
-        folder.write("mirrored.yaml", """version: 1
-environment: {wind_speed_kn: 0}
-bottom: {depth_m: 12, type: rock}
-sonar: {frequency_khz: 100, bandwidth_khz: 1, ping_rate_hz: 12, source_level_db: 200, receivers: [{name: ahead}],
-  speckle: k, speckle_shape: 0.5}
-mission: {pose: {position_m: [0, 0, 7]}, pings: 400}
-sampling: {rays: 6000, multipath: boundaries}
-detector: {pfa: 1.0e-2}
-output: {images: [], csv: none}
-""")
+        folder.write("mirrored.yaml", MIRRORED.replace("7]}", "7]}, pings: 400"))
         done = asdic("detect", "mirrored.yaml", "-o", "out", "--json", *COARSE, cwd=folder.path).check(0)
         ghosts, = [each for each in json.loads(done.out)["confusion"] if each["truth"] == "ghost"]
         rate, spread = ghosts["detected"] / ghosts["bins"], math.sqrt(0.01 / ghosts["bins"])

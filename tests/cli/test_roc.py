@@ -11,6 +11,7 @@ import program
 import tap
 from program import Folder, asdic, need_device
 from run_folder import png_texts
+from scenes import MIRRORED
 
 SCENES = pathlib.Path(__file__).resolve().parents[2] / "data" / "scenes"
 SCENE2 = SCENES / "scenario2.yaml"
@@ -300,24 +301,6 @@ output: {{images: []}}
         told = json.loads(done.out)[0]["background_db"]
         tap.equal(float(ping["multipath_db"]) > float(ping["bottom_db"]) + 3, True, "mirrored echoes")
         tap.equal(abs(told - float(ping["level_db"])) < 0.5, True, f"{told} dB of {ping['level_db']}")
-
-
-MIRRORED = """version: 1
-environment: {wind_speed_kn: 0}
-bottom: {depth_m: 12, type: rock}
-sonar:
-  frequency_khz: 100
-  bandwidth_khz: 1
-  ping_rate_hz: 12
-  source_level_db: 200
-  receivers: [{name: ahead}]
-  speckle: k
-  speckle_shape: 0.5
-mission: {pose: {position_m: [0, 0, 7]}}
-sampling: {rays: 6000, multipath: boundaries}
-detector: {pfa: 1.0e-2}
-output: {images: []}
-"""
 
 
 def test_mirrors_have_no_texture():

@@ -1,4 +1,4 @@
-"""The scene that a served sonar stands in."""
+"""Scenes that several tests share."""
 
 # 100 kHz, 10 pings a second.
 SONAR = "frequency_khz: 100, bandwidth_khz: 10, ping_rate_hz: 10, source_level_db: 200, speckle: rayleigh"
@@ -14,3 +14,22 @@ sonar: {{{sonar}}}
 mission: {mission}
 sampling: {{rays: {rays}}}
 {more}"""
+
+
+# K speckle over a calm sea and a smooth rock: more than half of a far bin comes by way of mirrors.
+MIRRORED = """version: 1
+environment: {wind_speed_kn: 0}
+bottom: {depth_m: 12, type: rock}
+sonar:
+  frequency_khz: 100
+  bandwidth_khz: 1
+  ping_rate_hz: 12
+  source_level_db: 200
+  receivers: [{name: ahead}]
+  speckle: k
+  speckle_shape: 0.5
+mission: {pose: {position_m: [0, 0, 7]}}
+sampling: {rays: 6000, multipath: boundaries}
+detector: {pfa: 1.0e-2}
+output: {images: []}
+"""
