@@ -6,7 +6,6 @@
 
 #include "base/context.h"
 #include "base/try.h"
-#include "base/widest.h"
 #include "evidence.h"
 #include "sim/ring.h"
 
@@ -100,19 +99,11 @@ typedef struct spot {
 } spot;
 
 /* Places in a cell at which an object may be, by index of heading and bin together, and the share of
- * objects that are there; the rest of these is not heard. In a long cell, so many heights at most. */
-#define MOST_HEIGHTS 8
-
+ * objects that are there; the rest of these is not heard. */
 typedef struct place {
     size_t at;
     double share;
 } place;
-
-/* A distance in a long cell: how many heights an object may be at there, and their bins, of as many as
- * there may be. */
-typedef struct rung {
-    double heights, bin[MOST_HEIGHTS];
-} rung;
 
 /* A ping's evidence, and what the map says of the cells of each heading and bin. */
 typedef struct update {
@@ -127,7 +118,8 @@ typedef struct update {
     size_t most_ranges; /* of a cell that is longer than a bin, at most */
     place *places;      /* of the spot in hand, with room for those of all arcs */
     size_t place_count;
-    rung *rungs; /* of the spot in hand */
+    double *column_m; /* by bin, of the column in hand: what of its height is heard there; else 0 */
+    size_t first, beyond; /* ... in these bins */
 } update;
 
 static void add_place(update *u, size_t heading, double bin, double share) {
@@ -171,62 +163,56 @@ static void add_on_floor(update *u, const spot *s) {
     }
 }
 
-/* A column of water between LOW_M and HIGH_M re the sonar, over COUNT distances of a long cell. */
-typedef struct water_column {
-    double plane_m, half_m, low_m, high_m, bin_m, count;
-} water_column;
-
-/* At each distance as many heights as these spread over bins. */
-WIDEST static void find_rungs(const water_column *c, rung *restrict rungs) {
-    double height_m = c->high_m - c->low_m, most_m = fmax(fabs(c->low_m), fabs(c->high_m));
-    for (size_t n = 0; n < (size_t)c->count; n++) {
-        double plane_m = c->plane_m + (2.0 * ((double)n + 0.5) / c->count - 1.0) * c->half_m;
-        double ahead_m = plane_m > 0.0 ? plane_m : 0.0, plane2 = ahead_m * ahead_m;
-        double spread_m = sqrt(plane2 + most_m * most_m) - ahead_m;
-        double heights = 2.0 * floor(1.0 + spread_m / c->bin_m);
-        heights = heights < MOST_HEIGHTS ? heights : MOST_HEIGHTS;
-        rungs[n].heights = heights;
-        for (int k = 0; k < MOST_HEIGHTS; k++) {
-            double at_m = c->low_m + ((double)k + 0.5) / heights * height_m;
-            rungs[n].bin[k] = sqrt(plane2 + at_m * at_m) / c->bin_m;
-        }
-    }
-}
-
-static void add_column(update *u, size_t heading, const water_column *c) {
-    double height_m = c->high_m - c->low_m;
-    find_rungs(c, u->rungs);
-    for (const rung *r = u->rungs; r < u->rungs + (size_t)c->count; r++) {
-        double share = height_m / (c->count * r->heights);
-        for (size_t k = 0; k < (size_t)r->heights; k++) {
-            add_place(u, heading, r->bin[k], share);
-        }
-    }
-}
-
 /* The length that [FROM, TO] and [LOW, HIGH] have in common. */
 static double overlap(double from, double to, double low, double high) {
     return fmax(fmin(to, high) - fmax(from, low), 0.0);
 }
 
-/* A column of water between LOW_M and HIGH_M re the sonar: each bin hears what of it lies at its range, and
- * none is left out. One that is shorter than a bin is taken at its middle height. */
-static void add_heights(update *u, size_t heading, double plane_m, double low_m, double high_m) {
+static void hear_height(update *u, double bin, double height_m) {
+    if (bin < (double)u->seen.bins) {
+        size_t n = (size_t)bin;
+        u->column_m[n] += height_m;
+        u->first = n < u->first ? n : u->first;
+        u->beyond = n + 1 > u->beyond ? n + 1 : u->beyond;
+    }
+}
+
+/* Water between LOW_M and HIGH_M re the sonar, which holds SHARE of the objects of its column: each bin hears
+ * what of it lies at its range, and none is left out. What is shorter than a bin is taken at its middle
+ * height. */
+static void hear_water(update *u, double plane_m, double low_m, double high_m, double share) {
     double bin_m = u->look->sonar->bin_length_m, plane2 = plane_m * plane_m, from_m = 0.0;
     double least_m = low_m * high_m < 0.0 ? 0.0 : fmin(fabs(low_m), fabs(high_m));
     double most_m = fmax(fabs(low_m), fabs(high_m)), middle_m = 0.5 * (least_m + most_m);
     double near_m = sqrt(plane2 + least_m * least_m), far_m = sqrt(plane2 + most_m * most_m);
     if (far_m - near_m < bin_m) {
-        add_place(u, heading, sqrt(plane2 + middle_m * middle_m) / bin_m, high_m - low_m);
+        hear_height(u, sqrt(plane2 + middle_m * middle_m) / bin_m, share * (high_m - low_m));
         return;
     }
     double last = fmin(floor(far_m / bin_m), (double)u->seen.bins - 1.0);
     for (double n = floor(near_m / bin_m); n <= last; n += 1.0) {
         double end_m = (n + 1.0) * bin_m, to_m = sqrt(fmax(end_m * end_m - plane2, 0.0));
-        double share =
+        double height_m =
             overlap(from_m, to_m, low_m, high_m) + overlap(-to_m, -from_m, low_m, high_m);
-        add_place(u, heading, n, share);
+        hear_height(u, n, share * height_m);
         from_m = to_m;
+    }
+}
+
+/* A column of water between LOW_M and HIGH_M re the sonar, over all distances of a long cell. */
+static void add_column(update *u, size_t heading, const spot *s, double low_m, double high_m) {
+    double count = ranges_of(u, s);
+    u->first = SIZE_MAX;
+    u->beyond = 0;
+    for (double i = 0.5; i < count; i += 1.0) {
+        double plane_m = fmax(s->plane_m + (2.0 * i / count - 1.0) * s->half_m, 0.0);
+        hear_water(u, plane_m, low_m, high_m, 1.0 / count);
+    }
+    for (size_t n = u->first; n < u->beyond; n++) {
+        if (u->column_m[n] > 0.0) {
+            add_place(u, heading, (double)n, u->column_m[n]);
+            u->column_m[n] = 0.0;
+        }
     }
 }
 
@@ -235,7 +221,6 @@ static void add_heights(update *u, size_t heading, double plane_m, double low_m,
 static void add_in_water(update *u, const spot *s) {
     const asdic_evidence *f = &u->seen;
     double above = u->look->depth_m, below = floor_below(u, s), heard_m = 0.0;
-    double bin_m = u->look->sonar->bin_length_m;
     for (size_t a = 0; a < f->arcs; a++) {
         const asdic_heading *h = &f->headings[a * f->azimuths + s->azimuth];
         double low = fmax(s->plane_m * h->slope_low, -above);
@@ -244,12 +229,7 @@ static void add_in_water(update *u, const spot *s) {
             continue;
         }
         heard_m += high - low;
-        if (s->half_m > 0.0) {
-            water_column c = {s->plane_m, s->half_m, low, high, bin_m, ranges_of(u, s)};
-            add_column(u, a * f->azimuths + s->azimuth, &c);
-            continue;
-        }
-        add_heights(u, a * f->azimuths + s->azimuth, s->plane_m, low, high);
+        add_column(u, a * f->azimuths + s->azimuth, s, low, high);
     }
     double all_m = isfinite(above + below) ? fmax(heard_m, above + below) : heard_m;
     for (size_t i = 0; i < u->place_count; i++) {
@@ -426,10 +406,9 @@ static asdic_status add(asdic_context *ctx, update *u) {
     u->rate = calloc(3 * count + 1, sizeof *u->rate);
     double across = ceil(sqrt(2.0) * u->map->cell_m / u->look->sonar->bin_length_m);
     u->most_ranges = (size_t)fmin(across, (double)u->seen.bins);
-    u->places = malloc((u->seen.arcs * (u->most_ranges * MOST_HEIGHTS + u->seen.bins) + 1) *
-                       sizeof *u->places);
-    u->rungs = malloc((u->most_ranges + 1) * sizeof *u->rungs);
-    if (!u->rate || !u->places || !u->rungs) {
+    u->places = malloc((u->seen.arcs * u->seen.bins + 1) * sizeof *u->places);
+    u->column_m = calloc(u->seen.bins, sizeof *u->column_m);
+    if (!u->rate || !u->places || !u->column_m) {
         return asdic_fail_memory(ctx, "an occupancy map");
     }
     u->empty = u->rate + count;
@@ -468,7 +447,7 @@ asdic_status asdic_occupancy_add(asdic_context *ctx, asdic_occupancy *map, const
     free(u.spots);
     free(u.rate);
     free(u.places);
-    free(u.rungs);
+    free(u.column_m);
     asdic_evidence_finish(&u.seen);
     return status;
 }
