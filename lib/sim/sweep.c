@@ -45,7 +45,8 @@ static double near(double angle_rad, double guess_rad) {
 }
 
 /* POSE turned about its own z axis: its attitude times a yaw, taken apart again into yaw, pitch and
- * roll, each without a jump of a whole turn. */
+ * roll, each without a jump of a whole turn. Pitch and roll are those of what is left without the yaw,
+ * whatever that is where the axis is vertical. */
 static asdic_pose turn(const asdic_pose *pose, double angle_rad) {
     asdic_pose out = *pose;
     out.yaw_rad += angle_rad;
@@ -54,9 +55,11 @@ static asdic_pose turn(const asdic_pose *pose, double angle_rad) {
     }
     asdic_mat3 m =
         asdic_mat3_multiply(asdic_mat3_of(pose), asdic_mat3_attitude(0.0, 0.0, angle_rad));
-    out.yaw_rad = near(atan2(m.m[1][0], m.m[0][0]), out.yaw_rad);
-    out.pitch_rad = -asin(fmax(fmin(m.m[2][0], 1.0), -1.0));
-    out.roll_rad = atan2(m.m[2][1], m.m[2][2]);
+    double yaw_rad = atan2(m.m[1][0], m.m[0][0]);
+    asdic_mat3 rest = asdic_mat3_multiply(asdic_mat3_attitude(0.0, 0.0, -yaw_rad), m);
+    out.yaw_rad = near(yaw_rad, out.yaw_rad);
+    out.pitch_rad = atan2(-rest.m[2][0], rest.m[0][0]);
+    out.roll_rad = atan2(-rest.m[1][2], rest.m[1][1]);
     return out;
 }
 

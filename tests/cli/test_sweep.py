@@ -27,7 +27,7 @@ sonar:
   bin_length_m: 0.25
 SCAN  transmitter: {pitch_deg: 8, yaw_deg: AIM, length_h_m: 0.12, length_v_m: 0.015}
   receivers: [{name: head, pitch_deg: 8, yaw_deg: AIM, length_h_m: 0.12, length_v_m: 0.015}]
-mission: {pose: {position_m: [0, 0, 7], roll_deg: ROLL, pitch_deg: -4, yaw_deg: 30}PINGS}
+mission: {pose: {position_m: [0, 0, 7], roll_deg: ROLL, pitch_deg: PITCH, yaw_deg: 30}PINGS}
 sampling: {rays: 2000}
 output: {images: [fan], netcdf: NETCDF}
 """
@@ -35,8 +35,8 @@ CIRCLE = "  scan: {sector_deg: 360, step_deg: 6}\n"
 SECTOR = "  scan: {sector_deg: 60, step_deg: 15}\n"
 
 
-def scene(folder, name, scan, aim=0.0, roll=12, pings="", netcdf="false"):
-    text = SCENE.replace("SCAN", scan).replace("AIM", str(aim)).replace("ROLL", str(roll))
+def scene(folder, name, scan, aim=0.0, roll=12, pitch=-4, pings="", netcdf="false"):
+    text = SCENE.replace("SCAN", scan).replace("AIM", str(aim)).replace("ROLL", str(roll)).replace("PITCH", str(pitch))
     return folder.write(name, text.replace("PINGS", pings).replace("NETCDF", netcdf))
 
 
@@ -85,6 +85,19 @@ def check_poses(roll):
         same(folder, "r", "joined")
         for name in ("bins.csv", "pings.npy", "track.csv"):
             tap.equal(data(folder, "again", name) == data(folder, "r", name), True, name)
+
+
+def test_joined_parts_keep_the_vehicles_poses():
+    """Angles beyond a quarter turn are not those that the sonar's attitude would be taken apart into."""
+    program.need_device()
+    with Folder() as folder:
+        for roll, pitch in ((0, -100), (10, 90), (200, 30)):
+            scan = scene(folder, "scan.yaml", SECTOR, roll=roll, pitch=pitch)
+            for part, more in (("whole", ()), ("a", ("--shard", "1/2")), ("b", ("--shard", "2/2"))):
+                asdic("run", scan, "-q", "-f", "-o", folder / part, *more).check(code=0)
+            asdic("merge", "-q", "-f", folder / "a", folder / "b", "-o", folder / "joined").check(code=0)
+            for name in ("track.csv", "pings.npy", "bins.csv"):
+                tap.equal(data(folder, "joined", name), data(folder, "whole", name), f"{pitch}: {name}")
 
 
 def test_answers_of_serve_say_where_the_head_looked():

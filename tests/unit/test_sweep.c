@@ -96,12 +96,43 @@ static void heads_turn_in_the_vehicle(void **state) {
     }
 }
 
+static double most_apart(asdic_mat3 a, asdic_mat3 b) {
+    double most = 0.0;
+    for (int k = 0; k < 9; k++) {
+        most = fmax(most, fabs(a.m[k / 3][k % 3] - b.m[k / 3][k % 3]));
+    }
+    return most;
+}
+
+/* A profiler rolled by a quarter turn scans a vertical plane: straight up and down, where yaw and roll are told
+ * apart by nothing, its attitude is still the vehicle's times the head's. */
+static void heads_look_straight_up_and_down(void **state) {
+    (void)state;
+    asdic_sweep sweep = asdic_sweep_of(360 * DEG, 10 * DEG);
+    size_t vertical = 0;
+    for (int k = 0; k < 17 * 4 * 36; k++) {
+        double pitch_deg = -80 + 10 * (k / 4 % 17), roll_deg = -90 + 90 * (k % 4);
+        const asdic_pose at = {{1, 2, 3}, roll_deg * DEG, pitch_deg * DEG, (k / 68) * 7 * DEG};
+        for (uint64_t ping = 0; ping < 36; ping++) {
+            asdic_mat3 head = asdic_mat3_attitude(0, 0, bearing_deg(&sweep, ping) * DEG);
+            asdic_pose sonar = asdic_sweep_sonar(&sweep, &at, ping);
+            asdic_pose back = asdic_sweep_vehicle(&sweep, &sonar, ping);
+            asdic_mat3 wanted = asdic_mat3_multiply(asdic_mat3_of(&at), head);
+            assert_true(most_apart(asdic_mat3_of(&sonar), wanted) < 1e-14);
+            assert_true(most_apart(asdic_mat3_of(&back), asdic_mat3_of(&at)) < 1e-14);
+            vertical += fabs(wanted.m[2][0]) > 1 - 1e-12;
+        }
+    }
+    assert_true(vertical > 1000);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(circles_go_round),
         cmocka_unit_test(sectors_go_back_and_forth),
         cmocka_unit_test(nothing_turns_without_steps),
         cmocka_unit_test(heads_turn_in_the_vehicle),
+        cmocka_unit_test(heads_look_straight_up_and_down),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

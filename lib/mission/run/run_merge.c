@@ -157,16 +157,22 @@ static asdic_status sum_up(merger *m) {
     return ASDIC_OK;
 }
 
+static asdic_status copy_track(merger *m, const asdic_run *part) {
+    char *path = asdic_folder_file(part->folder, "track.csv");
+    asdic_status status = path ? asdic_track_file_append(m->ctx, m->track, path)
+                               : asdic_fail_memory(m->ctx, "a file name");
+    free(path);
+    return status;
+}
+
 static asdic_status copy_records(merger *m) {
-    const asdic_sweep *sweep = &m->parts[0]->settings.sweep;
     for (size_t i = 0; i < m->count; i++) {
         asdic_run *part = m->parts[i];
+        TRY(copy_track(m, part));
         for (size_t k = 0; k < part->facts.pings_planned; k++) {
             asdic_record record;
             TRY(asdic_run_read(part, k, &record));
             TRY(asdic_store_write(m->store, record.ping - m->facts.first_ping, part->buffer));
-            asdic_pose vehicle = asdic_sweep_vehicle(sweep, &record.pose, record.ping);
-            asdic_track_file_add(m->track, sweep, record.ping, record.time_s, &vehicle);
             TRY(asdic_files_add(m->files, &record));
             asdic_summary_add(m->summary, &record);
         }

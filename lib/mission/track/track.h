@@ -52,6 +52,8 @@ double asdic_track_deepest_m(const asdic_track *track, double time_s);
 void asdic_track_file_begin(asdic_file *file, const asdic_sweep *sweep);
 void asdic_track_file_add(asdic_file *file, const asdic_sweep *sweep, uint64_t ping, double time_s,
                           const asdic_pose *vehicle);
+/* Adds the points of the track file at PATH as they stand there. */
+asdic_status asdic_track_file_append(asdic_context *ctx, asdic_file *file, const char *path);
 
 /* ANGLE as a whole number of nanodegrees, which a track file holds exactly: a track that is written
  * and read again is the same to the last bit. */

@@ -5,10 +5,12 @@
 
 #include "base/columns.h"
 #include "base/context.h"
+#include "base/file_read.h"
 #include "base/try.h"
 #include "base/vec.h"
 #include "out/digits.h"
 
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -94,4 +96,16 @@ void asdic_track_file_add(asdic_file *file, const asdic_sweep *sweep, uint64_t p
         fputs(digits, out);
         fputc(k + 1 < count ? ',' : '\n', out);
     }
+}
+
+asdic_status asdic_track_file_append(asdic_context *ctx, asdic_file *file, const char *path) {
+    char *text = NULL;
+    size_t length;
+    TRY(asdic_file_read(ctx, path, SIZE_MAX, &text, &length));
+    const char *points = strchr(text, '\n');
+    if (points) {
+        fputs(points + 1, asdic_file_stream(file));
+    }
+    free(text);
+    return ASDIC_OK;
 }
