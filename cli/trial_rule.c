@@ -179,7 +179,7 @@ static bool take(program *p, char answer[MOST_ANSWER], double timeout_s, double 
             return false;
         }
         if (got > 0 && answer[length] == '\n') {
-            answer[length] = '\0';
+            answer[length - (length > 0 && answer[length - 1] == '\r')] = '\0';
             return true;
         }
         length += got > 0;

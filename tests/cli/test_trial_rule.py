@@ -34,7 +34,7 @@ def test_a_rule_of_another_program():
     """It may do as the scene's rule does, and what it orders is flown."""
     program.need_device()
     with Folder() as folder:
-        for holds in "print('{}')", 'print(json.dumps({"yaw_deg": None, "why": {"near": [1, "\\"2\\""]}}))':
+        for holds in "print('{}')", r"sys.stdout.write('{}\r\n')", 'print(json.dumps({"yaw_deg": None, "why": {"near": [1, "\\"2\\""]}}))':
             with_rule(folder, holds)
             tap.equal([row["manoeuvres"] for row in rows(folder)], ["0", "0"])
         # Its first orders are seen again.
