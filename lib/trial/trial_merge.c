@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 static int by_first(const void *pa, const void *pb) {
     const asdic_trial *a = *(asdic_trial *const *)pa, *b = *(asdic_trial *const *)pb;
@@ -74,7 +75,8 @@ asdic_status asdic_trial_merge(asdic_context *ctx, const char *const *folders, s
     if (!folders || folder_count == 0 || !folder) {
         return asdic_fail_null(ctx, __func__);
     }
-    if (mkdir(folder, 0777) != 0 && errno != EEXIST) {
+    bool is_new = mkdir(folder, 0777) == 0;
+    if (!is_new && errno != EEXIST) {
         return asdic_file_fail(ctx, folder, errno);
     }
     bool is_stopped = asdic_trial_has(folder, "trial.part.csv");
@@ -98,5 +100,8 @@ asdic_status asdic_trial_merge(asdic_context *ctx, const char *const *folders, s
         asdic_trial_close(&parts[i]);
     }
     free(parts);
+    if (status && is_new) {
+        rmdir(folder); /* unless parts of the whole are in it */
+    }
     return status;
 }

@@ -140,6 +140,7 @@ def test_parts_are_of_one_trial():
                   folder / f"two{i}").check(code=0)
             done = asdic("merge", folder / "one", folder / f"two{i}", "-o", folder / "all").check(code=3)
             tap.contains(done.err, "these are parts of different trials")
+            tap.equal(os.path.exists(folder / "all"), False, "a folder of nothing")
 
 
 def test_several_devices_give_the_same_bytes():
