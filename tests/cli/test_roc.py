@@ -144,6 +144,23 @@ def test_a_point_has_its_strength():
                           f"{yaw_deg}, {beam}: {curve['target_strength_db']} dB")
 
 
+def test_a_points_strength_does_not_depend_on_its_bin():
+    """Near the edges of bins, also of those nearest, in which a spherical wave loses much; where a pulse is longer than a
+    bin as well."""
+    need_device()
+    with Folder() as folder:
+        for bandwidth_khz in 10, 1.4:
+            for range_m in 1.02, 1.48, 3.01, 18.49:
+                folder.write("s.yaml", SEDIMENT.replace("ping_rate_hz", f"bandwidth_khz: {bandwidth_khz}, bin_length_m: 0.5, "
+                                                        "ping_rate_hz") + f"""objects:
+  - {{name: buoy, point: 0, position_m: [{range_m}, 0, 7]}}
+""")
+                done = asdic("roc", "s.yaml", "--object", "buoy", "--trials", "1000", "-o", "out", "--force", "--json", "-q",
+                             cwd=folder.path).check(0)
+                off_db = json.loads(done.out)[0]["target_strength_db"]
+                tap.equal(abs(off_db) < 0.15, True, f"{bandwidth_khz} kHz, {range_m} m: {off_db} dB")
+
+
 def test_a_point_is_heard_by_rays_that_bend():
     """One that stands in the scene, whose echo is simulated, has its strength; in the shadow of a thermocline one at a
     range is not heard. By straight rays it stood 26 dB above the background, and the strength was 0.6 dB less."""

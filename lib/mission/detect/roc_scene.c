@@ -52,8 +52,9 @@ typedef struct scene_job {
     asdic_heard_water heard;
     asdic_pose pose;
     extent target;
-    size_t object; /* in the mission, where one is asked for */
-    int number;    /* that of truth, where it has to be told from others; else 0 */
+    double near_m, far_m; /* between which an object is heard */
+    size_t object;        /* in the mission, where one is asked for */
+    int number;           /* that of truth, where it has to be told from others; else 0 */
     size_t beams, bins;
     bool is_plane;        /* quadrature knows what is expected */
     asdic_ping *ping;     /* simulated, its total without speckle */
@@ -331,18 +332,17 @@ static void box_of_object(const scene_job *job, const asdic_mission_object *o, a
 
 /* The ranges between which what lies between the corners LOW and HIGH is heard: those of its near and its far side, at
  * its top, its foot, and level with the sonar. */
-static void hear_box(const scene_job *job, asdic_vec3 low, asdic_vec3 high, double *near_m,
-                     double *far_m) {
+static void hear_box(scene_job *job, asdic_vec3 low, asdic_vec3 high) {
     double across_m[2] = {hypot(fmax(fmax(low.x, -high.x), 0.0), fmax(fmax(low.y, -high.y), 0.0)),
                           hypot(fmax(fabs(low.x), fabs(high.x)), fmax(fabs(low.y), fabs(high.y)))};
     double down_m[3] = {low.z, high.z, within(0.0, low.z, high.z)};
-    *near_m = INFINITY;
-    *far_m = 0.0;
+    job->near_m = INFINITY;
+    job->far_m = 0.0;
     for (int i = 0; i < 6; i++) {
         double range_m =
             asdic_heard_range_m(&job->heard, (asdic_vec3){across_m[i % 2], 0.0, down_m[i / 2]});
-        *near_m = fmin(*near_m, range_m);
-        *far_m = fmax(*far_m, range_m);
+        job->near_m = fmin(job->near_m, range_m);
+        job->far_m = fmax(job->far_m, range_m);
     }
 }
 
@@ -351,11 +351,10 @@ static asdic_status bins_of_object(scene_job *job, size_t *first, size_t *end) {
     const asdic_mission_object *o = &job->mission->objects[job->object];
     double bin_m = job->sonar.bin_length_m;
     asdic_vec3 low, high;
-    double near_m, far_m;
     box_of_object(job, o, &low, &high);
-    hear_box(job, low, high, &near_m, &far_m);
+    hear_box(job, low, high);
     job->target = extent_of(job, low, high);
-    double begin = floor(near_m / bin_m) - 1.0, last = ceil(far_m / bin_m) + 1.0;
+    double begin = floor(job->near_m / bin_m) - 1.0, last = ceil(job->far_m / bin_m) + 1.0;
     *first = (size_t)fmin(fmax(begin, 0.0), (double)job->bins);
     *end = (size_t)fmin(last, (double)job->bins);
     return *first < *end ? ASDIC_OK
@@ -504,6 +503,14 @@ static asdic_status check(asdic_context *ctx, const asdic_mission *mission,
     return asdic_memory_check(ctx, o->trials * TRIAL_BYTES, asdic_memory_left(), what, "use fewer");
 }
 
+/* In the middle of what of the object BIN holds: it may be a point anywhere in the bin. */
+static double object_range_m(const scene_job *job, size_t bin) {
+    double begin_m = (double)bin * job->sonar.bin_length_m;
+    double end_m = begin_m + job->sonar.bin_length_m;
+    return 0.5 *
+           (within(begin_m, job->near_m, job->far_m) + within(end_m, job->near_m, job->far_m));
+}
+
 static void describe(const scene_job *job, size_t cell, const asdic_roc_case *c, asdic_roc *roc) {
     size_t beam = cell / job->bins;
     roc->bin = cell % job->bins;
@@ -520,7 +527,8 @@ static void describe(const scene_job *job, size_t cell, const asdic_roc_case *c,
     roc->snr_db = asdic_level_db(c->target_lin / c->none.mean_lin);
     roc->target_strength_db = job->options->target_strength_db;
     if (job->options->object) { /* of the point that would be as strong */
-        roc->target_strength_db = asdic_level_db(c->target_lin / echo_lin(job, beam, roc->range_m));
+        double range_m = object_range_m(job, roc->bin);
+        roc->target_strength_db = asdic_level_db(c->target_lin / echo_lin(job, beam, range_m));
     }
 }
 
