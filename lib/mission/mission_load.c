@@ -96,36 +96,10 @@ static asdic_status check_memory(asdic_context *ctx, const asdic_mission *m) {
                               "use fewer beams or a longer 'bin_length_m'");
 }
 
-/* Files to include, what rules them and the trial's own keys come first, since what else is set and
- * drawn may be in what they bring. What is set in an entry that was DRAWN as `none` is gone with it. */
-static void put_settings(mission_builder *b, asdic_yaml_node *root, const asdic_drawn *drawn,
-                         bool is_first) {
-    for (size_t i = 0; root && i < b->setting_count; i++) {
-        const char *key = b->settings[i].key;
-        bool is_trial = strncmp(key, "trial", 5) == 0;
-        bool has_turn = is_first ? is_trial || asdic_scene_key_is_early(key)
-                                 : !is_trial && !asdic_scene_key_includes(key);
-        if (has_turn && !asdic_scene_draw_is_gone(drawn, key)) {
-            asdic_scene_file_set(root, &b->settings[i], b->arena, b->problems);
-        }
-    }
-}
-
-/* Whether a setting is in the place of what is drawn for KEY. */
-static const asdic_setting *setting_of(const mission_builder *b, const char *key) {
-    for (size_t i = b->setting_count; i-- > 0;) {
-        if (strcmp(b->settings[i].key, key) == 0) {
-            return &b->settings[i];
-        }
-    }
-    return NULL;
-}
-
-/* The section `trial` of ROOT, which loses it when a run is drawn; FILE is zero without it. The
- * mission has its hash. */
+/* The section `trial` of ROOT, which loses it when a run is drawn; FILE, which is zero, stays so without
+ * it. The mission has its hash. */
 static asdic_status read_trial(mission_builder *b, asdic_yaml_node *root, file_trial *file) {
     asdic_yaml_node *node = b->draw ? asdic_yaml_child(root, "trial") : NULL;
-    *file = (file_trial){0};
     if (!b->draw) {
         return ASDIC_OK;
     }
@@ -154,16 +128,6 @@ static asdic_status keep_classes(mission_builder *b, const asdic_yaml_node *root
     return good ? ASDIC_OK : asdic_fail_memory(b->ctx, "names of classes");
 }
 
-/* What is set stands in place of what was drawn, before files are included. */
-static void put_in_place(mission_builder *b, asdic_yaml_node *root, const asdic_drawn *drawn) {
-    for (size_t i = 0; i < drawn->count; i++) {
-        const asdic_setting *set = setting_of(b, drawn->items[i].key);
-        if (set) {
-            asdic_scene_file_set(root, set, b->arena, b->problems);
-        }
-    }
-}
-
 /* The scene file's tree with what it includes and what is set and drawn; the mission has text and
  * hash of all but settings, with a draw of these too. */
 static asdic_status read_scene(mission_builder *b, asdic_yaml_node **root, file_trial *trial,
@@ -176,17 +140,15 @@ static asdic_status read_scene(mission_builder *b, asdic_yaml_node **root, file_
     if (!asdic_yaml_read(b->mission->text, length, b->arena, b->problems, root)) {
         return asdic_fail_memory(b->ctx, "the scene file's content");
     }
-    put_settings(b, *root, drawn, true);
+    asdic_scene_draw(*root, trial, b->draw, ASDIC_TURN_TRIAL, b->arena, b->problems, drawn);
     TRY(read_trial(b, *root, trial));
     TRY(keep_classes(b, *root, trial));
-    asdic_scene_draw(*root, trial, b->draw, true, b->arena, b->problems, drawn);
-    put_in_place(b, *root, drawn);
+    asdic_scene_draw(*root, trial, b->draw, ASDIC_TURN_INCLUDES, b->arena, b->problems, drawn);
     TRY(asdic_mission_include(b, *root, &included));
-    asdic_scene_draw(*root, trial, b->draw, false, b->arena, b->problems, drawn);
     if (included && !b->draw) {
         TRY(asdic_mission_keep_tree(b, *root));
     }
-    put_settings(b, *root, drawn, false);
+    asdic_scene_draw(*root, trial, b->draw, ASDIC_TURN_REST, b->arena, b->problems, drawn);
     asdic_scene_draw_finish(*root, drawn, b->arena, b->problems);
     return b->draw && *root ? asdic_mission_keep_tree(b, *root) : ASDIC_OK;
 }
@@ -195,9 +157,7 @@ static asdic_status keep_drawn(mission_builder *b, const asdic_drawn *drawn) {
     asdic_setting *kept = calloc(drawn->count + 1, sizeof *kept);
     b->mission->drawn = kept;
     for (size_t i = 0; kept && i < drawn->count; i++) {
-        const char *key = drawn->items[i].key;
-        const asdic_setting *set = asdic_scene_draw_is_gone(drawn, key) ? NULL : setting_of(b, key);
-        kept[i] = (asdic_setting){strdup(key), strdup(set ? set->value : drawn->items[i].value)};
+        kept[i] = (asdic_setting){strdup(drawn->items[i].key), strdup(drawn->items[i].value)};
         kept = kept[i].key && kept[i].value ? kept : NULL;
     }
     return kept ? ASDIC_OK : asdic_fail_memory(b->ctx, "what was drawn");
@@ -273,8 +233,8 @@ static asdic_status find_base(mission_builder *b, asdic_yaml_node *root) {
 
 static asdic_status load(mission_builder *b, asdic_scene_file *file) {
     asdic_yaml_node *root = NULL;
-    file_trial trial;
-    asdic_drawn drawn = {0};
+    file_trial trial = {0};
+    asdic_drawn drawn = {.settings = b->settings, .setting_count = b->setting_count};
     TRY(read_scene(b, &root, &trial, &drawn));
     if (b->extent == MISSION_TEXT) {
         return ASDIC_OK;

@@ -15,6 +15,7 @@
 
 #include <errno.h>
 #include <stdlib.h>
+#include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -24,6 +25,8 @@
 /* Where the search for as many as a tolerance takes begins. */
 #define FIRST_RAYS 1024u
 #define MOST_SETTINGS 3
+#define SEED "sampling.seed"
+#define RAYS "sampling.rays"
 /* Seeds that a scene file holds exactly. */
 #define SEED_BITS 52
 
@@ -47,22 +50,53 @@ static void choose_rays(asdic_mission *m) {
     m->settings.auto_rays = 0;
 }
 
+/* What the trial sets itself is the same of all designs. */
+static asdic_status check_vary(asdic_context *ctx, const asdic_trial_options *o) {
+    const char *key = o->variants.key ? o->variants.key : "";
+    if (strcmp(key, SEED) == 0) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                          "'%s' cannot be varied: all designs share each run's seed, which comes "
+                          "of the trial's (--seed)",
+                          key);
+    }
+    return o->rays > 0 && strcmp(key, RAYS) == 0
+               ? asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                            "'%s' cannot be varied where all designs are given the same (--rays, "
+                            "--tolerance)",
+                            key)
+               : ASDIC_OK;
+}
+
+/* What is drawn would not be what the pings have. */
+static asdic_status check_drawn(asdic_context *ctx, const asdic_mission *m) {
+    for (size_t i = 0; asdic_mission_drawn(m, i).key; i++) {
+        if (strcmp(asdic_mission_drawn(m, i).key, SEED) == 0) {
+            return asdic_fail(ctx, ASDIC_ERROR_INPUT,
+                              "'%s' cannot be drawn: each run's seed comes of the trial's (--seed)",
+                              SEED);
+        }
+    }
+    return ASDIC_OK;
+}
+
 asdic_status asdic_trial_load(asdic_context *ctx, const asdic_trial_options *o, uint64_t run,
                               size_t variant, asdic_mission *donor, asdic_mission **out) {
     char seed[ASDIC_DIGITS_SIZE], rays[ASDIC_DIGITS_SIZE];
     const asdic_draw draw = {o->seed, run};
     asdic_setting settings[MOST_SETTINGS];
     size_t count = 0;
-    asdic_digits_natural(seed, ping_seed(o->seed, run));
-    settings[count++] = (asdic_setting){"sampling.seed", seed};
-    if (o->rays > 0) {
-        asdic_digits_natural(rays, o->rays);
-        settings[count++] = (asdic_setting){"sampling.rays", rays};
-    }
-    if (o->variants.key) {
+    TRY(check_vary(ctx, o));
+    if (o->variants.key) { /* first: it may be a map that holds the others */
         settings[count++] = (asdic_setting){o->variants.key, o->variants.values[variant]};
     }
+    asdic_digits_natural(seed, ping_seed(o->seed, run));
+    settings[count++] = (asdic_setting){SEED, seed};
+    if (o->rays > 0) {
+        asdic_digits_natural(rays, o->rays);
+        settings[count++] = (asdic_setting){RAYS, rays};
+    }
     TRY(asdic_mission_load_trial(ctx, o->scene, settings, count, &draw, donor, out));
+    TRY(check_drawn(ctx, *out));
     if (o->rule && (*out)->trial.is_ideal) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
                           "'trial: {ideal: ...}' makes no pings that a rule of another program "

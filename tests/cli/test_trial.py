@@ -5,6 +5,7 @@ import functools
 import json
 import math
 import os
+import re
 import shutil
 import sys
 
@@ -364,6 +365,33 @@ def test_what_is_varied_is_not_drawn():
                 tap.equal(sorted({pings for _, pings in late}), [45, 180])
 
 
+def test_designs_of_whole_maps_share_their_runs():
+    """Of a run all designs have one seed and what is drawn, also where a map or list is varied that either is in; runs
+    have other ones. The rays that are asked for are flown."""
+    program.need_device()
+    with Folder() as folder:
+        path = folder.write("wall.yaml", WALL.replace("time_s: 45", "time_s: 2") + """  draws:
+    - {key: environment.wind_speed_kn, uniform: [0, 30]}
+    - {key: 'objects[0].position_m[1]', uniform: [-3, 3]}
+""")
+        walls = ",".join(f"[{{name: wall, box: {{size_m: [{size}, 400, 40]}}, position_m: [60, 0, 10]}}]" for size in (1, 2))
+        seeds = set()
+        for vary, rays in (("sampling={rays: 500},{rays: 600}", 3000), (f"objects={walls}", 3000),
+                           ("environment={temperature_degc: 5},{temperature_degc: 15}", 1000)):
+            options = ("--runs", 2, "--vary", vary, *(("--rays", rays) if rays != 1000 else ()))
+            asdic("trial", path, *options, "-o", folder / "out", "-f").check(code=0)
+            for row in rows(folder):
+                tap.equal(row["environment.wind_speed_kn"], rows(folder)[int(row["run"]) * 2]["environment.wind_speed_kn"])
+                asdic("trial", path, *options, "--replay", f"{row['run']}:{row['variant']}", "-o", folder / "again",
+                      "-f").check(code=0)
+                scene = folder.read("again/scene.yaml")
+                tap.contains(scene, f"wind_speed_kn: {row['environment.wind_speed_kn']}\n")
+                tap.contains(scene, f"[60, {row['objects[0].position_m[1]']}, 10]")
+                tap.contains(scene, f"rays: {rays}\n")
+                seeds.add((row["run"], re.search(r"seed: (\d+)", scene)[1]))
+        tap.equal((len(seeds), len({seed for _, seed in seeds})), (2, 2), f"{sorted(seeds)}")
+
+
 def test_detectors_without_mirrors_are_told_of():
     """What is expected over a plane knows no mirrored echoes; where none are simulated, or nothing is expected, no word."""
     program.need_device()
@@ -549,6 +577,9 @@ def test_scenes_and_options_that_cannot_be():
         tap.contains(done.err, "the scene is read for every run; it must be a file")
         refuse(ideal, 2, "'trial: {ideal: ...}' makes no pings that a rule of another program (--rule) could read; take "
                "'ideal' out, or fly by the scene's own rule", "--rule", "cat")
+        refuse(ideal, 2, "'sampling.seed' cannot be varied", "--vary", "sampling.seed=5,6")
+        refuse(ideal, 2, "'sampling.rays' cannot be varied", "--vary", "sampling.rays=500,600", "--rays", 700)
+        refuse(ideal + "  draws: [{key: sampling.seed, choice: [7, 8]}]\n", 3, "'sampling.seed' cannot be drawn")
         refuse(ideal, 2, "there is no program './mistyped.py --fast'", "--rule", "./mistyped.py --fast")
 
 

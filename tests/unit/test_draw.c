@@ -35,7 +35,7 @@ static char *drawn_by(const char *draws, uint64_t seed, uint64_t run, char **sce
     asdic_schema_read(&asdic_trial_table, &asdic_trial_table, asdic_yaml_child(root, "trial"),
                       &arena, &problems, &trial);
     asdic_scene_draw_check(&trial, &arena, &problems);
-    asdic_scene_draw(root, &trial, &draw, false, &arena, &problems, &drawn);
+    asdic_scene_draw(root, &trial, &draw, ASDIC_TURN_REST, &arena, &problems, &drawn);
     asdic_scene_draw_finish(root, &drawn, &arena, &problems);
     assert_int_equal(problems.total, 0);
     asdic_text_add(&out, "");

@@ -212,6 +212,44 @@ static void settings_mean_the_entries_of_the_file(void **state) {
     asdic_mission_destroy(&m);
 }
 
+/* What is drawn in what is set whole is drawn in that; what is set in what is drawn whole stands in that. */
+static void parts_stand_in_wholes(void **state) {
+    workshop *w = *state;
+    static const asdic_setting settings[] = {
+        {"environment", "{temperature_degc: 5}"},
+        {"objects[1]", "{name: c, point: -9, position_m: [40, 1, 3]}"},
+        {"objects[0].position_m[0]", "8"},
+        {"sampling", "{rays: 500}"},
+        {"sampling.seed", "7"}};
+    const asdic_draw draw = {.seed = 7, .run = 3};
+    write_file(w, "scene.yaml",
+               SCENE FLAT POSE
+               "objects: [{name: a, point: 0, position_m: [9, 0, 3]}, {name: b, point: 0}]\n"
+               "trial:\n  draws:\n"
+               "    - {key: environment.wind_speed_kn, uniform: [20, 30]}\n"
+               "    - {key: 'objects[0]', choice: [{name: d, point: 1, position_m: [20, 2, 3]}]}\n"
+               "    - {key: 'objects[1]', choice: [none]}\n"
+               "    - {key: 'objects[1].position_m[0]', uniform: [1, 2]}\n");
+    asdic_mission *m = load_with(w, settings, 5, &draw);
+    assert_non_null(m);
+    assert_close(asdic_mission_environment(m)->temperature_degc, 5, 0);
+    assert_close(asdic_mission_environment(m)->wind_speed_kn, 25, 5);
+    assert_close(atof(asdic_mission_drawn(m, 0).value), asdic_mission_environment(m)->wind_speed_kn,
+                 1e-12);
+    assert_int_equal(asdic_mission_object_count(m), 2);
+    const asdic_mission_object *first = asdic_mission_get_object(m, 0);
+    const asdic_mission_object *second = asdic_mission_get_object(m, 1);
+    assert_string_equal(first->name, "d");
+    assert_true(first->pose.position_m.x == 8 && first->pose.position_m.y == 2);
+    assert_string_equal(second->name, "c");
+    assert_close(second->pose.position_m.x, 1.5, 0.5);
+    assert_close(second->pose.position_m.y, 1, 0);
+    assert_string_equal(asdic_mission_drawn(m, 2).value, settings[1].value);
+    assert_int_equal(asdic_mission_sampling(m)->rays, 500);
+    assert_int_equal(asdic_mission_sampling(m)->seed, 7);
+    asdic_mission_destroy(&m);
+}
+
 /* By Medwin's equation, at the surface. */
 static double speed_of(double temperature_degc, double salinity_ppt) {
     double t = temperature_degc;
@@ -244,6 +282,25 @@ static void casts_take_the_salinity_that_is_set(void **state) {
                      speed_of(10.0, cases[i].salinity_ppt), 1e-9);
         asdic_mission_destroy(&m);
     }
+}
+
+/* A sonar and a cast that are set whole are read from the files that they name. */
+static void wholes_that_are_set_name_files(void **state) {
+    workshop *w = *state;
+    static const asdic_setting settings[] = {
+        {"sonar", "{file: b.yaml, ping_rate_hz: 10}"},
+        {"environment", "{sound_speed_profile: cast.csv, salinity_ppt: 20}"},
+        {"sonar.bandwidth_khz", "5"}};
+    write_file(w, "b.yaml", "frequency_khz: 40\nbandwidth_khz: 4\nreceivers: [{name: a}]\n");
+    write_file(w, "cast.csv", "depth_m,temperature_degc\n0,10\n9,5\n");
+    write_file(w, "scene.yaml", SCENE FLAT POSE);
+    asdic_mission *m = load_with(w, settings, 3, NULL);
+    assert_non_null(m);
+    assert_close(asdic_mission_sonar(m)->frequency_hz, 40e3, 1e-6);
+    assert_close(asdic_mission_sonar(m)->bandwidth_hz, 5e3, 1e-6);
+    assert_close(asdic_mission_environment(m)->sound_speed_profile.sound_speed_mps[0],
+                 speed_of(10.0, 20.0), 1e-9);
+    asdic_mission_destroy(&m);
 }
 
 /* A cast's own salinity counts, whatever stands before its header: a mark of UTF-8, comments, blank lines. */
@@ -894,6 +951,8 @@ int main(void) {
         cmocka_unit_test(draws_stand_in_place_of_the_file),
         cmocka_unit_test(lists_and_maps_are_set),
         cmocka_unit_test(settings_mean_the_entries_of_the_file),
+        cmocka_unit_test(parts_stand_in_wholes),
+        cmocka_unit_test(wholes_that_are_set_name_files),
         cmocka_unit_test(casts_take_the_salinity_that_is_set),
         cmocka_unit_test(casts_have_their_salinity_behind_what_precedes_it),
         cmocka_unit_test(casts_take_the_salinity_of_the_water),

@@ -43,8 +43,8 @@ typedef struct asdic_draw {
 /* The mission of one run of the scene's `trial` section: what `draws` say is drawn at random, from
  * DRAW alone, and stands in place of what the file says. Text and hash of such a mission are those
  * of the scene as drawn, without `trial`, so that it is run and kept like any other (paths in it
- * stay relative to the file). SETTINGS, COUNT of them, are put over both. Without a `trial` section
- * every run is the scene itself.
+ * stay relative to the file). SETTINGS, COUNT of them, are put over both, but for what is drawn of
+ * their parts. Without a `trial` section every run is the scene itself.
  *
  *     for (draw.run = 0; draw.run < runs; draw.run++) {
  *         asdic_mission_load_run(ctx, "scene.yaml", NULL, 0, &draw, &mission);

@@ -184,16 +184,41 @@ static void print_flow(const asdic_yaml_node *node, asdic_text *text) {
     asdic_text_add(text, node->kind == ASDIC_YAML_MAP ? "}" : "]");
 }
 
-bool asdic_scene_draw_is_gone(const asdic_drawn *drawn, const char *key) {
+/* Whether KEY lies in a list's entry that was drawn as `none`. */
+static bool is_gone(const asdic_drawn *drawn, const char *key) {
     for (size_t i = 0; i < drawn->count; i++) {
-        size_t length = strlen(drawn->items[i].key);
         if (strcmp(drawn->items[i].value, "none") == 0 &&
-            strncmp(drawn->items[i].key, key, length) == 0 &&
-            (key[length] == '.' || key[length] == '[')) {
+            asdic_scene_key_is_in(key, drawn->items[i].key)) {
             return true;
         }
     }
     return false;
+}
+
+/* Whether KEY or a part of it was drawn. */
+static bool has_drawn(const asdic_drawn *drawn, const char *key) {
+    for (size_t i = 0; i < drawn->count; i++) {
+        if (asdic_scene_key_is_in(drawn->items[i].key, key)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Puts what is set for KEY or, before that is drawn, for a whole that it is in; what is set for KEY itself stands in place
+ * of the draw, and is returned. */
+static const asdic_setting *set_around(const drawer *d, asdic_yaml_node *root, const char *key,
+                                       const asdic_drawn *drawn) {
+    const asdic_setting *own = NULL;
+    for (size_t i = 0; i < drawn->setting_count; i++) {
+        const asdic_setting *set = &drawn->settings[i];
+        bool has_turn = asdic_scene_key_turn(set->key) == asdic_scene_key_turn(key);
+        if (has_turn && asdic_scene_key_is_in(key, set->key) && !has_drawn(drawn, set->key)) {
+            asdic_scene_file_set(root, set, d->reader.arena, d->reader.problems);
+        }
+        own = strcmp(set->key, key) == 0 ? set : own;
+    }
+    return own;
 }
 
 static void remember(const drawer *d, const char *key, const asdic_yaml_node *node,
@@ -213,11 +238,17 @@ static void remember(const drawer *d, const char *key, const asdic_yaml_node *no
 static void draw_one(const drawer *d, asdic_yaml_node *root, const file_draw *file,
                      asdic_drawn *drawn) {
     const char *key = file->key->text;
+    const asdic_setting *set = set_around(d, root, key, drawn);
+    if (set) {
+        drawn->items[drawn->count++] = *set;
+        return;
+    }
     asdic_yaml_node *node =
         asdic_scene_file_find(root, key, file->key, d->reader.arena, d->reader.problems);
     if (!node) {
         return;
     }
+    node->file = file->node->file;
     node->line = file->node->line;
     node->column = file->node->column;
     take_draw(d, file, hash_text(ASDIC_HASH_BEGIN, key, strlen(key)), node);
@@ -240,34 +271,45 @@ void asdic_scene_draw_finish(asdic_yaml_node *root, const asdic_drawn *drawn, as
     }
 }
 
-void asdic_scene_draw(asdic_yaml_node *root, const file_trial *trial, const asdic_draw *draw,
-                      bool early, asdic_arena *arena, asdic_problems *problems,
-                      asdic_drawn *drawn) {
-    const drawer d = {{asdic_scene_table(), arena, problems}, draw};
-    if (!asdic_scene_node_good(trial->node)) {
-        return;
-    }
+/* All draws of TURN. */
+static void draw_all(const drawer *d, asdic_yaml_node *root, const file_trial *trial,
+                     asdic_scene_turn turn, asdic_drawn *drawn) {
+    const file_draw *draws = trial->draws.items;
     size_t first = drawn->count;
     asdic_setting *items =
-        asdic_arena_alloc(arena, (first + trial->draws.count + 1) * sizeof *items);
+        asdic_arena_alloc(d->reader.arena, (first + trial->draws.count + 1) * sizeof *items);
     if (!items) {
-        problems->out_of_memory = true;
+        d->reader.problems->out_of_memory = true;
         return;
     }
     for (size_t i = 0; i < first; i++) {
         items[i] = drawn->items[i];
     }
     drawn->items = items;
-    const file_draw *draws = trial->draws.items;
     for (size_t i = 0; i < trial->draws.count; i++) {
         const char *key = draws[i].key->text;
-        if (asdic_scene_key_is_early(key) != early) {
+        if (asdic_scene_key_turn(key) != turn) {
             continue;
         }
-        if (asdic_scene_draw_is_gone(drawn, key)) {
+        if (is_gone(drawn, key)) {
             drawn->items[drawn->count++] = (asdic_setting){key, ""};
         } else {
-            draw_one(&d, root, &draws[i], drawn);
+            draw_one(d, root, &draws[i], drawn);
+        }
+    }
+}
+
+void asdic_scene_draw(asdic_yaml_node *root, const file_trial *trial, const asdic_draw *draw,
+                      asdic_scene_turn turn, asdic_arena *arena, asdic_problems *problems,
+                      asdic_drawn *drawn) {
+    const drawer d = {{asdic_scene_table(), arena, problems}, draw};
+    if (asdic_scene_node_good(trial->node)) {
+        draw_all(&d, root, trial, turn, drawn);
+    }
+    for (size_t i = 0; root && i < drawn->setting_count; i++) {
+        const char *key = drawn->settings[i].key;
+        if (asdic_scene_key_turn(key) == turn && !is_gone(drawn, key) && !has_drawn(drawn, key)) {
+            asdic_scene_file_set(root, &drawn->settings[i], arena, problems);
         }
     }
 }
@@ -420,7 +462,7 @@ static void check_key(const file_draw *draw, asdic_problems *problems) {
     if (key->kind != ASDIC_YAML_SCALAR || key->length == 0 || strlen(key->text) != key->length) {
         asdic_yaml_problem(problems, key,
                            "'key' must be the path of a key, as objects[0].position_m");
-    } else if (strncmp(key->text, "trial", 5) == 0 && strchr(".[", key->text[5])) {
+    } else if (asdic_scene_key_turn(key->text) == ASDIC_TURN_TRIAL) {
         asdic_yaml_problem(problems, key, "a trial cannot draw its own '%s'", key->text);
     }
 }
@@ -434,19 +476,16 @@ static void check_order(const file_draw *draws, size_t i, asdic_problems *proble
     asdic_yaml_node *key = draws[i].key;
     for (size_t k = 0; k < i && is_path(key); k++) {
         const asdic_yaml_node *other = draws[k].key;
-        if (!is_path(other) || strncmp(other->text, key->text, key->length) != 0) {
-            continue;
-        }
-        if (other->length == key->length) {
-            asdic_yaml_problem(problems, key, "'%s' is drawn at line %u already; give it once",
-                               key->text, other->line);
-            return;
-        }
-        if (strchr(".[", other->text[key->length])) {
-            asdic_yaml_problem(problems, key,
-                               "'%s' is drawn after its part '%s', which would be lost; list it "
-                               "before",
-                               key->text, other->text);
+        if (is_path(other) && asdic_scene_key_is_in(other->text, key->text)) {
+            if (other->length == key->length) {
+                asdic_yaml_problem(problems, key, "'%s' is drawn at line %u already; give it once",
+                                   key->text, other->line);
+            } else {
+                asdic_yaml_problem(problems, key,
+                                   "'%s' is drawn after its part '%s', which would be lost; list "
+                                   "it before",
+                                   key->text, other->text);
+            }
             return;
         }
     }

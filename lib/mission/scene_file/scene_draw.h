@@ -12,21 +12,21 @@
 #include "scene_file.h"
 
 /* Keys and values that were drawn, in the order of the file; values are YAML on one line. They live
- * in the arena. */
+ * in the arena. What is set stands in place of what is drawn, but for parts of it that are drawn. */
 typedef struct asdic_drawn {
     asdic_setting *items;
     size_t count;
+    const asdic_setting *settings;
+    size_t setting_count;
 } asdic_drawn;
 
-/* Puts what run DRAW->run draws by TRIAL, which asdic_scene_draw_check found good, into ROOT. What is
- * wrong with the values is found when the tree is read. EARLY: draws of the keys that come before
- * files are included (asdic_scene_key_is_early) alone, else all others. Appends to DRAWN. Entries of
- * lists that became `none` keep their places until asdic_scene_draw_finish. */
+/* Puts what is set, and what run DRAW->run draws by TRIAL, which asdic_scene_draw_check found good,
+ * into ROOT: the keys of TURN alone. What is wrong with the values is found when the tree is read.
+ * Appends to DRAWN. What is set in an entry of a list that was drawn as `none` is gone with it; such
+ * entries keep their places until asdic_scene_draw_finish. */
 void asdic_scene_draw(asdic_yaml_node *root, const file_trial *trial, const asdic_draw *draw,
-                      bool early, asdic_arena *arena, asdic_problems *problems, asdic_drawn *drawn);
-
-/* Whether KEY lies in a list's entry that was drawn as `none`. */
-bool asdic_scene_draw_is_gone(const asdic_drawn *drawn, const char *key);
+                      asdic_scene_turn turn, asdic_arena *arena, asdic_problems *problems,
+                      asdic_drawn *drawn);
 
 /* Takes those entries out of their lists, once nothing is set by its index any more. */
 void asdic_scene_draw_finish(asdic_yaml_node *root, const asdic_drawn *drawn, asdic_arena *arena,

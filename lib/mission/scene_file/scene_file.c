@@ -200,14 +200,22 @@ void asdic_scene_file_set(asdic_yaml_node *root, const asdic_setting *setting, a
     }
 }
 
-bool asdic_scene_key_includes(const char *key) {
-    return strcmp(key, "sonar.file") == 0 || strcmp(key, "environment.sound_speed_profile") == 0;
+bool asdic_scene_key_is_in(const char *key, const char *whole) {
+    size_t length = strlen(whole);
+    return strncmp(key, whole, length) == 0 && strchr(".[", key[length]);
 }
 
-bool asdic_scene_key_is_early(const char *key) {
+asdic_scene_turn asdic_scene_key_turn(const char *key) {
     /* Speeds of a cast of temperatures hang on the salinity; a whole may name a file. */
-    return asdic_scene_key_includes(key) || strcmp(key, "environment.salinity_ppt") == 0 ||
-           strcmp(key, "sonar") == 0 || strcmp(key, "environment") == 0;
+    static const char *const includes[] = {"sonar", "sonar.file", "environment",
+                                           "environment.salinity_ppt",
+                                           "environment.sound_speed_profile"};
+    for (size_t i = 0; i < sizeof includes / sizeof *includes; i++) {
+        if (strcmp(key, includes[i]) == 0) {
+            return ASDIC_TURN_INCLUDES;
+        }
+    }
+    return asdic_scene_key_is_in(key, "trial") ? ASDIC_TURN_TRIAL : ASDIC_TURN_REST;
 }
 
 /* --- the file --------------------------------------------------------------------------------- */

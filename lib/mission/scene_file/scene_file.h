@@ -326,11 +326,18 @@ asdic_yaml_node *asdic_scene_file_find(asdic_yaml_node *root, const char *path,
 void asdic_scene_file_set(asdic_yaml_node *root, const asdic_setting *setting, asdic_arena *arena,
                           asdic_problems *problems);
 
-/* Whether the value of KEY names a file whose content takes its place (mission_include.c). */
-bool asdic_scene_key_includes(const char *key);
+/* When a key is drawn and set: those of the trial say what is drawn; then come those that name a file to
+ * include, or rule what comes of it, since all others may be in what it brings. */
+typedef enum asdic_scene_turn {
+    ASDIC_TURN_TRIAL,
+    ASDIC_TURN_INCLUDES,
+    ASDIC_TURN_REST
+} asdic_scene_turn;
 
-/* Whether KEY is drawn and set before files are included: it names one, or rules what comes of it. */
-bool asdic_scene_key_is_early(const char *key);
+asdic_scene_turn asdic_scene_key_turn(const char *key);
+
+/* Whether KEY is WHOLE, or a part of it. */
+bool asdic_scene_key_is_in(const char *key, const char *whole);
 
 /* Checks what depends on several keys, and names what has no name (scene_check.c). */
 void asdic_scene_file_check(asdic_scene_file *file, asdic_arena *arena, asdic_problems *problems);
