@@ -128,6 +128,13 @@ static void headers_are_checked(void **state) {
          "F:1:1: error: missing column 'yaw_deg', perhaps 'yaw_dge'; the header is "
          "time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg in any order\n"
          "F:1:37: error: column 'x_m' is there twice\n");
+    load("time_s,x_m,y_m,z_m,roll_rad,pitch_rad,yaw_rad\n0,0,0,0,0,0,0\n",
+         "F:1:1: error: missing column 'roll_deg', perhaps 'roll_rad'; the header is "
+         "time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg in any order\n"
+         "F:1:1: error: missing column 'pitch_deg', perhaps 'pitch_rad'; the header is "
+         "time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg in any order\n"
+         "F:1:1: error: missing column 'yaw_deg', perhaps 'yaw_rad'; the header is "
+         "time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg in any order\n");
     load("0,0,0,5,0,0,0\n1,0,0,5,0,0,0\n",
          "F:1:1: error: there is no header; the first line must be "
          "time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n");
