@@ -140,12 +140,12 @@ static void tracks(const map *m, const asdic_view *view) {
     cairo_stroke(cr);
 }
 
-/* What moves is not in the relief. */
-static void moving(const map *m, const asdic_view *view) {
+/* What moves is not in the relief, nor are points, which have no triangles. */
+static void beside_relief(const map *m, const asdic_view *view) {
     cairo_t *cr = m->p->canvas->cr;
     for (size_t i = 0; i < asdic_mission_object_count(view->mission); i++) {
         const asdic_mission_object *o = asdic_mission_get_object(view->mission, i);
-        if (!o->moves) {
+        if (!o->moves && o->mesh.triangles > 0) {
             continue;
         }
         asdic_vec3 at_m = asdic_view_object_m(view, o);
@@ -250,7 +250,7 @@ void panel_plan(const panel *p, const asdic_view *view) {
     grid(&m);
     beams(&m, view);
     tracks(&m, view);
-    moving(&m, view);
+    beside_relief(&m, view);
     vehicle(&m, &view->ping.pose);
     scale_bar(&m);
     north_arrow(&m);

@@ -636,6 +636,24 @@ static void what_moves_is_shown(void **state) {
     close_view(v);
 }
 
+/* Which has no triangles, and is in no relief. */
+static void points_are_on_the_map(void **state) {
+    (void)state;
+    asdic_view *v = open_view(
+        "[{name: a}]",
+        "sampling: {rays: 256}\n"
+        "objects:\n  - {name: p, point: {target_strength_db: -30}, position_m: [2, 12, 7]}\n"
+        "  - {name: s, sphere: {radius_m: 0.5}, position_m: [2, 8, 7]}\n");
+    step(v, 1);
+    draw(v);
+    double px_per_m =
+        fmax(v->layout.plan.w, v->layout.plan.h) / ((double)v->relief.rows * v->relief.cell_m);
+    assert_int_equal(arc_count, 2);
+    assert_close(arcs[1].x - arcs[0].x, 12.0 * px_per_m, 1e-6);
+    assert_close(arcs[1].y - arcs[0].y, -2.0 * px_per_m, 1e-6);
+    close_view(v);
+}
+
 /* A cone ends at 166 degrees: a wider fan is seen as several, side by side. */
 static void wide_fans_are_seen_whole(void **state) {
     (void)state;
@@ -931,6 +949,7 @@ int main(void) {
         cmocka_unit_test(the_newest_ping_is_on_top),
         cmocka_unit_test(beams_are_cones),
         cmocka_unit_test(what_moves_is_shown),
+        cmocka_unit_test(points_are_on_the_map),
         cmocka_unit_test(wide_fans_are_seen_whole),
         cmocka_unit_test(the_camera_stays_in_the_water),
         cmocka_unit_test(the_scope_shows_the_chosen_beam),
