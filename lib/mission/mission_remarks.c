@@ -1,6 +1,6 @@
 /*
  * Remarks on laws that a mission uses outside the validity that their sources state, on a sonar that
- * is hardly meant, and on rays that are too few.
+ * is hardly meant, on rays that are too few, and on files that cannot be written here.
  */
 #include "mission.h"
 
@@ -230,6 +230,9 @@ asdic_remarks asdic_mission_remarks(const asdic_mission *mission) {
     remark_on_small_objects(mission, speed_mps / mission->settings.sonar.frequency_hz, &rest);
     remark_on_motion(mission, speed_mps, &rest);
     remark_on_sonar(&mission->settings, speed_mps, &rest);
+    if (rest.count < ASDIC_MOST_REMARKS) {
+        rest.count += asdic_settings_lack(&mission->settings, rest.text[rest.count]);
+    }
     append(&out, &rest);
     return out;
 }

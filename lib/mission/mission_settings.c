@@ -4,7 +4,9 @@
 #include "base/number.h"
 #include "base/try.h"
 #include "mission/scene_file/scene_file.h"
+#include "out/format.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -99,4 +101,17 @@ asdic_status asdic_settings_read(asdic_context *ctx, const char *name, const cha
 void asdic_settings_finish(asdic_settings *settings) {
     free(settings->receivers);
     *settings = (asdic_settings){0};
+}
+
+bool asdic_settings_lack(const asdic_settings *settings, char text[ASDIC_REMARK_SIZE]) {
+    const char *missing = NULL;
+    for (size_t i = 0; i < ASDIC_FORMAT_COUNT && !missing; i++) {
+        bool is_wanted = settings->output.formats & 1u << i;
+        if (is_wanted && asdic_formats[i]->missing && (missing = asdic_formats[i]->missing())) {
+            snprintf(text, ASDIC_REMARK_SIZE,
+                     "the scene asks for 'output: {%s: true}', but %s, or use false",
+                     asdic_format_name(i), missing);
+        }
+    }
+    return missing != NULL;
 }

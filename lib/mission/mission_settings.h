@@ -37,6 +37,9 @@ asdic_status asdic_settings_take(asdic_context *ctx, const struct asdic_scene_fi
 asdic_status asdic_settings_read(asdic_context *ctx, const char *name, const char *text,
                                  asdic_settings *out);
 
+/* Says what a format that they ask for lacks to be written here, and how to get that; false: nothing. */
+bool asdic_settings_lack(const asdic_settings *settings, char text[ASDIC_REMARK_SIZE]);
+
 /* Whether the rays are still those that asdic chose. */
 static inline bool asdic_settings_rays_are_auto(const asdic_settings *s) {
     return s->sampling.rays == s->auto_rays;

@@ -30,7 +30,8 @@ typedef struct asdic_format {
     size_t level_bytes; /* that it takes for each bin of each beam and ping, at most */
     /* Beside that, for each ping; left out: nothing. */
     size_t (*ping_bytes)(const asdic_sonar *sonar, const asdic_sweep *sweep);
-    const char *missing; /* what this build lacks to write it, and how to get that; NULL: nothing */
+    /* What is lacking to write it, and how to get that; NULL: nothing. Left out: never anything. */
+    const char *(*missing)(void);
     asdic_status (*open)(asdic_context *ctx, const char *path, const asdic_format_about *about,
                          void **out);
     /* The next ping. */

@@ -536,6 +536,7 @@ static asdic_status commit_netcdf(void **file) {
 const asdic_format asdic_format_netcdf = {.file = "run.nc",
                                           /* not compressed; the level twice */
                                           .level_bytes = (ASDIC_RECORD_ARRAYS + 1) * sizeof(float),
+                                          .missing = asdic_nc_missing,
                                           .open = open_netcdf,
                                           .write = write_netcdf,
                                           .commit = commit_netcdf,
@@ -543,7 +544,10 @@ const asdic_format asdic_format_netcdf = {.file = "run.nc",
 
 #else
 
-const asdic_format asdic_format_netcdf = {.file = "run.nc",
-                                          .missing = "netCDF; install libnetcdf-dev"};
+static const char *missing_netcdf(void) {
+    return "this build has no netCDF; install libnetcdf-dev and build again";
+}
+
+const asdic_format asdic_format_netcdf = {.file = "run.nc", .missing = missing_netcdf};
 
 #endif

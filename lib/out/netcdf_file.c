@@ -19,9 +19,17 @@ bool asdic_nc_check(asdic_nc *nc, int code) {
     return nc->failure == NC_NOERR;
 }
 
-/* The library stays: HDF5 cleans up at the end of the process. */
+/* It stays: HDF5 cleans up at the end of the process. */
+static void *open_library(void) {
+    return dlopen(ASDIC_NETCDF, RTLD_NOW);
+}
+
+const char *asdic_nc_missing(void) {
+    return open_library() ? NULL : ASDIC_NETCDF " cannot be loaded; install " ASDIC_NETCDF_PACKAGE;
+}
+
 static asdic_status load(asdic_nc *nc) {
-    void *library = dlopen(ASDIC_NETCDF, RTLD_NOW);
+    void *library = open_library();
 #define FIND(name)                                                                                 \
     nc->call.name = library ? (__typeof__(nc->call.name))dlsym(library, "nc_" #name) : NULL;       \
     if (!nc->call.name) {                                                                          \

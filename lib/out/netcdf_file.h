@@ -52,6 +52,9 @@ typedef struct asdic_nc_attribute {
     const char *name, *value; /* text; NULL ends a list */
 } asdic_nc_attribute;
 
+/* Why no file can be made, and what to do; NULL: it can. */
+const char *asdic_nc_missing(void);
+
 asdic_status asdic_nc_create(asdic_context *ctx, const char *path, asdic_nc *out);
 
 /* Keeps the first failure; true while there is none. */

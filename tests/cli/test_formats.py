@@ -1,5 +1,6 @@
 """What asdic run writes, read back by programs that are not ours. A test is skipped where its
 program is not installed; `./dev test` installs them."""
+import ctypes.util
 import json
 import os
 import re
@@ -338,6 +339,19 @@ def test_netcdf_in_gdal():
         tap.contains(out, f"Size is {facts(folder, 'r')['bins']}, 2")
         tap.contains(out, "Band 4 ")
         tap.contains(out, "Type=Float32")
+
+
+def test_netcdf_that_is_gone_is_told_before_a_run():
+    """The library is found when the file is made; an empty one in front of it is none."""
+    with Folder() as folder:
+        netcdf_run_of(folder)
+        name = ctypes.util.find_library("netcdf")
+        folder.write(name, "")
+        words = f"'output: {{netcdf: true}}', but {name} cannot be loaded; install {name.replace('.so.', '')}, or"
+        env = {"LD_LIBRARY_PATH": folder.path}
+        tap.contains(asdic("check", folder / "pool.yaml", **env).check(code=0).err, words)
+        tap.contains(asdic("run", folder / "pool.yaml", "-o", folder / "gone", **env).check(code=1).err, words)
+        tap.equal(os.path.exists(folder / "gone"), False, "a folder, which would be in the next run's way")
 
 
 def test_shards_give_the_same_netcdf():

@@ -44,7 +44,7 @@ typedef enum asdic_status {
     ASDIC_ERROR_IO = 6,          /* writing or reading failed half-way */
     ASDIC_ERROR_EXISTS = 7,      /* output exists and neither force nor resume was asked for */
     ASDIC_ERROR_INTERRUPTED = 8, /* stopped on request; what is written is valid */
-    ASDIC_ERROR_UNSUPPORTED = 9, /* built without the feature that was asked for */
+    ASDIC_ERROR_UNSUPPORTED = 9, /* built, or running, without what was asked for */
 } asdic_status;
 
 /* "bad input file" and the like; never NULL. */

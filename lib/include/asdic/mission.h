@@ -203,7 +203,8 @@ ASDIC_API asdic_status asdic_mission_write_track(asdic_context *ctx, const asdic
 
 /* Laws that a mission uses outside the range that their sources state, then rays too few for its
  * sonar, shadows, and a sonar that is hardly meant, a sentence each: levels are computed all the
- * same, and run.json keeps the sentences. Of too many the last laws are missing. */
+ * same, and run.json keeps the sentences. Last a format that cannot be written here, without which
+ * no run begins. Of too many the last laws are missing. */
 #define ASDIC_MOST_REMARKS 8
 #define ASDIC_REMARK_SIZE 256
 typedef struct asdic_remarks {

@@ -18,15 +18,10 @@ static bool wants(const asdic_settings *settings, size_t format) {
 }
 
 asdic_status asdic_files_check(asdic_context *ctx, const asdic_settings *settings) {
-    for (size_t i = 0; i < ASDIC_FORMAT_COUNT; i++) {
-        if (wants(settings, i) && asdic_formats[i]->missing) {
-            return asdic_fail(ctx, ASDIC_ERROR_UNSUPPORTED,
-                              "the scene asks for 'output: {%s: true}', but this build has no %s "
-                              "and build again, or use false",
-                              asdic_format_name(i), asdic_formats[i]->missing);
-        }
-    }
-    return ASDIC_OK;
+    char text[ASDIC_REMARK_SIZE];
+    return asdic_settings_lack(settings, text)
+               ? asdic_fail(ctx, ASDIC_ERROR_UNSUPPORTED, "%s", text)
+               : ASDIC_OK;
 }
 
 static asdic_status open_csv(asdic_context *ctx, const char *folder, const asdic_settings *settings,

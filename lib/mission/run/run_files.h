@@ -11,7 +11,7 @@
 
 typedef struct asdic_files asdic_files;
 
-/* ASDIC_ERROR_UNSUPPORTED when SETTINGS ask for a format that this build cannot write. */
+/* ASDIC_ERROR_UNSUPPORTED when SETTINGS ask for a format that cannot be written here. */
 asdic_status asdic_files_check(asdic_context *ctx, const asdic_settings *settings);
 
 /* The files in FOLDER that SETTINGS ask for, of all pings that FACTS plan, the first of them at

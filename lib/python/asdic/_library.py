@@ -71,7 +71,7 @@ class StoppedError(Error):
 
 
 class UnsupportedError(Error, NotImplementedError):
-    """The library was built without what was asked for."""
+    """What was asked for needs a library that this build, or this machine, lacks."""
 
 
 class ClosedError(Error, ValueError):
