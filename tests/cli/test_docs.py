@@ -149,6 +149,34 @@ def test_commands_of_dev_exist():
             tap.contains(usage, f"\n  {word} ")
 
 
+def dev(folder, *args, **env):
+    """./dev ARGS in a copy that has nothing else, on a machine that has no packages; what it said."""
+    os.makedirs(folder / "bin", exist_ok=True)
+    for name in ("sh", "dirname", "cat", "mkdir", "ls", "awk", "nproc", "id"):
+        if not os.path.exists(folder / f"bin/{name}"):
+            os.symlink(shutil.which(name), folder / f"bin/{name}")
+    shutil.copy(ROOT / "dev", folder.path)
+    return subprocess.run(["sh", folder / "dev", *args], capture_output=True, text=True, check=False,
+                          env={"PATH": folder / "bin", "HOME": folder.path, **env})
+
+
+def test_dev_says_what_is_lost_without_a_package():
+    with Folder() as folder:
+        done = dev(folder, "build")
+        tap.equal(done.returncode, 1, done.stderr)
+        for words in ("libsdl2-dev 'asdic view' has no window", "openmpi-bin 'mpirun asdic run' is not possible",
+                      "libcairo2-dev pictures have no axes"):
+            tap.contains(done.stdout, f"dev: without {words}")
+        line = re.search("sudo apt-get install (.*)", done.stderr).group(1).split()
+        tap.equal({"meson", "libcairo2-dev", "openmpi-bin"} <= set(line), True, f"in one line: {line}")
+
+
+def test_dev_help_makes_nothing():
+    with Folder() as folder:
+        tap.contains(dev(folder, "help").stdout, "usage: ./dev COMMAND")
+        tap.equal(sorted(os.listdir(folder.path)), ["bin", "dev"], "files")
+
+
 def test_waters_have_the_figures_that_asdic_model_prints():
     rows = re.findall(r"^\| [^|]+ \| `\{(temperature_degc: [^`]*)\}` \| (\d+) \| (\d+) \|$",
                       text_of(ROOT / "data" / "README.md"), re.M)
