@@ -2,26 +2,13 @@
 
 #include <stdio.h>
 
-/* "8.4 MB" */
-static const char *show(uint64_t bytes, char text[32]) {
-    static const char *const units[] = {"kB", "MB", "GB", "TB", "PB"};
-    double value = 1e-3 * (double)bytes;
-    size_t unit = 0;
-    while (value >= 999.5 && unit + 1 < sizeof units / sizeof *units) {
-        value *= 1e-3;
-        unit++;
-    }
-    snprintf(text, 32, "%.3g %s", value, units[unit]);
-    return text;
-}
-
 const char *cli_size(const asdic_mission *mission, size_t pings, const char *folder,
                      char text[CLI_SIZE_TEXT]) {
-    char each[32], all[32], left[32];
+    char each[ASDIC_BYTES_TEXT], all[ASDIC_BYTES_TEXT], left[ASDIC_BYTES_TEXT];
     uint64_t bytes = asdic_mission_ping_bytes(mission), room = asdic_disk_free_bytes(folder);
-    snprintf(text, CLI_SIZE_TEXT, "%s a ping, %s in all; %s%s", show(bytes, each),
-             show(asdic_mission_run_bytes(mission, pings), all),
-             room == UINT64_MAX ? "unknown room" : show(room, left),
+    snprintf(text, CLI_SIZE_TEXT, "%s a ping, %s in all; %s%s", asdic_bytes_text(bytes, each),
+             asdic_bytes_text(asdic_mission_run_bytes(mission, pings), all),
+             room == UINT64_MAX ? "unknown room" : asdic_bytes_text(room, left),
              room == UINT64_MAX ? "" : " free");
     return text;
 }

@@ -608,6 +608,25 @@ static void elements_are_of_one_process(void **state) {
     end(&f);
 }
 
+static void sizes_are_told_in_their_own_units(void **state) {
+    (void)state;
+    static const struct {
+        uint64_t bytes;
+        const char *text;
+    } cases[] = {{0, "0 kB"},
+                 {614, "0.614 kB"},
+                 {36700, "36.7 kB"},
+                 {999499, "999 kB"},
+                 {999500, "1 MB"},
+                 {614000000, "614 MB"},
+                 {15600000000, "15.6 GB"},
+                 {UINT64_MAX, "1.84e+04 PB"}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[ASDIC_BYTES_TEXT];
+        assert_string_equal(asdic_bytes_text(cases[i].bytes, text), cases[i].text);
+    }
+}
+
 /* The records, truth and elements of a run that goes on are there, and are not written again. */
 static void room_is_for_what_is_to_come(void **state) {
     (void)state;
@@ -616,7 +635,7 @@ static void room_is_for_what_is_to_come(void **state) {
     asdic_mission *m[2] = {coherent_mission(f.ctx, false), coherent_mission(f.ctx, true)};
     uint64_t needed = asdic_mission_run_bytes(m[1], 200);
     uint64_t there = needed - asdic_mission_run_bytes(m[0], 200);
-    char says[512];
+    char says[512], sizes[3][ASDIC_BYTES_TEXT];
     assert_true(there > needed / 2);
     asdic_run_options resume = {.count = SIZE_MAX, .resume = true, .folder = in_folder("room")};
     assert_int_equal(mkdir(resume.folder, 0777), 0);
@@ -635,8 +654,9 @@ static void room_is_for_what_is_to_come(void **state) {
         disk_bytes = needed - there - 1;
         assert_int_equal(asdic_run_check_room(f.ctx, m[1], &resume), ASDIC_OK);
         snprintf(says, sizeof says,
-                 "'%s' has room for %.3g GB, but what is still to be written takes about %.3g GB",
-                 resume.folder, (double)disk_bytes / 1e9, (double)(needed - there) / 1e9);
+                 "'%s' has room for %s, but what is still to be written takes about %s",
+                 resume.folder, asdic_bytes_text(disk_bytes, sizes[0]),
+                 asdic_bytes_text(needed - there, sizes[1]));
         assert_non_null(strstr(f.warnings, says));
         assert_int_equal(unlink(path), 0);
     }
@@ -656,9 +676,10 @@ static void room_is_for_what_is_to_come(void **state) {
         disk_bytes = needed - 1;
         assert_int_equal(asdic_run_check_room(f.ctx, m[1], &resume), ASDIC_ERROR_IO);
         snprintf(says, sizeof says,
-                 "'%s' has room for %.3g GB, but %zu pings of %.3g MB take %.3g GB; choose another",
-                 resume.folder, (double)disk_bytes / 1e9, parts[i].pings,
-                 (double)asdic_mission_ping_bytes(m[1]) / 1e6, (double)needed / 1e9);
+                 "'%s' has room for %s, but %zu pings of %s take %s; choose another", resume.folder,
+                 asdic_bytes_text(disk_bytes, sizes[0]), parts[i].pings,
+                 asdic_bytes_text(asdic_mission_ping_bytes(m[1]), sizes[1]),
+                 asdic_bytes_text(needed, sizes[2]));
         assert_non_null(strstr(asdic_context_error(f.ctx), says));
         resume.force = true;
         assert_int_equal(asdic_run_check_room(f.ctx, m[1], &resume), ASDIC_OK);
@@ -1071,6 +1092,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test(sums_are_of_all_pings),
         cmocka_unit_test(folders_are_not_overwritten),
         cmocka_unit_test(elements_are_of_one_process),
+        cmocka_unit_test(sizes_are_told_in_their_own_units),
         cmocka_unit_test(room_is_for_what_is_to_come),
         cmocka_unit_test(files_may_have_any_number),
         cmocka_unit_test(elements_end_with_the_run),

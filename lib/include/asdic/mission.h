@@ -274,6 +274,9 @@ ASDIC_API bool asdic_mission_leaves_csv_out(const asdic_mission *mission);
 
 /* What is free where FOLDER is, or would be; UINT64_MAX where the system does not tell. */
 ASDIC_API uint64_t asdic_disk_free_bytes(const char *folder);
+/* "8.4 MB"; returns TEXT. */
+#define ASDIC_BYTES_TEXT 32
+ASDIC_API const char *asdic_bytes_text(uint64_t bytes, char text[ASDIC_BYTES_TEXT]);
 
 /* How long it takes to write PING, which is of this mission, into a run's files: measured in a
  * temporary folder. */

@@ -170,6 +170,20 @@ uint64_t asdic_disk_free_bytes(const char *folder) {
     return bytes;
 }
 
+const char *asdic_bytes_text(uint64_t bytes, char text[ASDIC_BYTES_TEXT]) {
+    static const char *const units[] = {"kB", "MB", "GB", "TB", "PB"};
+    double value = 1e-3 * (double)bytes;
+    size_t unit = 0;
+    while (value >= 999.5 && unit + 1 < sizeof units / sizeof *units) {
+        value *= 1e-3;
+        unit++;
+    }
+    locale_t before = asdic_c_locale_enter();
+    snprintf(text, ASDIC_BYTES_TEXT, "%.3g %s", value, units[unit]);
+    asdic_c_locale_leave(before);
+    return text;
+}
+
 /* What an earlier call left of FOLDER/NAME. */
 static uint64_t bytes_there(const char *folder, const char *name) {
     struct stat st;
@@ -200,18 +214,20 @@ asdic_status asdic_run_check_room(asdic_context *ctx, const asdic_mission *missi
     if (needed <= there || needed - there <= left) {
         return ASDIC_OK;
     }
+    char room[ASDIC_BYTES_TEXT], one[ASDIC_BYTES_TEXT], rest[ASDIC_BYTES_TEXT];
+    asdic_bytes_text(left, room);
+    asdic_bytes_text(needed - there, rest);
     if (goes_on) { /* nothing is lost when the disk is full */
         asdic_log(ctx, ASDIC_LOG_WARNING,
-                  "'%s' has room for %.3g GB, but what is still to be written takes about %.3g GB",
-                  o->folder, 1e-9 * (double)left, 1e-9 * (double)(needed - there));
+                  "'%s' has room for %s, but what is still to be written takes about %s", o->folder,
+                  room, rest);
         return ASDIC_OK;
     }
     return asdic_fail(ctx, ASDIC_ERROR_IO,
-                      "'%s' has room for %.3g GB, but %zu pings of %.3g MB take %.3g GB; choose "
-                      "another disk by --output, fewer pings by --pings, less under 'output' in "
-                      "the scene, or --force",
-                      o->folder, 1e-9 * (double)left, count, 1e-6 * (double)each,
-                      1e-9 * (double)(needed - there));
+                      "'%s' has room for %s, but %zu pings of %s take %s; choose another disk by "
+                      "--output, fewer pings by --pings, less under 'output' in the scene, or "
+                      "--force",
+                      o->folder, room, count, asdic_bytes_text(each, one), rest);
 }
 
 /* --- how long --------------------------------------------------------------------------------- */
