@@ -152,14 +152,10 @@ asdic_status cli_load_rays(cli *c, uint64_t rays, asdic_mission **out);
 void *cli_module(const cli *c, const char *name, const char *function);
 
 /* ---- devices --------------------------------------------------------------------------------
- * Those of --device, else of the environment's ASDIC_DEVICE, else "auto". Closed with
- * asdic_devices_close. On failure nothing is open; end with cli_end. */
+ * Those of --device, else of the environment's ASDIC_DEVICE, else "auto", PoCL having
+ * a folder for compiled kernels. Closed with asdic_devices_close. On failure nothing is open; end with cli_end. */
 const char *cli_device(cli *c); /* what to open; NULL: "auto" */
 asdic_status cli_open_devices(cli *c, asdic_device ***out, size_t *count);
-
-/* Sees to it that PoCL has a folder for compiled kernels that it can write to, and says so where that is
- * not the one it would have taken. Before the first call that looks for devices; cli_open_devices does it. */
-void cli_prepare_kernel_cache(cli *c);
 
 /* ---- messages -------------------------------------------------------------------------------
  * "error: ..." and "warning: ..." on stderr. */

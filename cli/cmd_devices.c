@@ -99,7 +99,7 @@ static int run(cli *c) {
     asdic_device **devices = NULL;
     size_t count = 0, opened = 0;
 
-    cli_prepare_kernel_cache(c);
+    asdic_kernel_cache_prepare(cli_context(c));
     asdic_status status = asdic_device_list(cli_context(c), &infos, &count);
     if (status != ASDIC_OK) {
         return cli_end(c, status);

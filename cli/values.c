@@ -231,7 +231,7 @@ asdic_status cli_load_rays(cli *c, uint64_t rays, asdic_mission **out) {
 
 const char *cli_device(cli *c) {
     const char *selector = cli_text(c, "device");
-    cli_prepare_kernel_cache(c);
+    asdic_kernel_cache_prepare(cli_context(c));
     return selector ? selector : getenv("ASDIC_DEVICE");
 }
 

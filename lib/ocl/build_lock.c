@@ -2,8 +2,6 @@
 
 #include <errno.h>
 #include <fcntl.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/file.h>
 #include <time.h>
@@ -13,22 +11,9 @@
 #define PATIENCE_MS 60000
 #define STEP_MS 2
 
-/* The folder where PoCL keeps what it compiled: pocl_cache_init_topdir() of PoCL 3.1. */
 static int open_cache(void) {
-    const char *folder = getenv("POCL_CACHE_DIR"), *rest = "";
-    char path[4096];
-    if (!folder || !folder[0]) {
-        folder = getenv("XDG_CACHE_HOME");
-        rest = "/pocl/kcache";
-    }
-    if (!folder || !folder[0]) {
-        folder = getenv("HOME");
-        rest = "/.cache/pocl/kcache";
-    }
-    if (!folder || snprintf(path, sizeof path, "%s%s", folder, rest) >= (int)sizeof path) {
-        return -1;
-    }
-    return open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    char path[ASDIC_CACHE_SIZE];
+    return asdic_cache_folder(path) ? open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC) : -1;
 }
 
 int asdic_build_lock(const asdic_device *device) {

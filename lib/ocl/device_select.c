@@ -5,6 +5,10 @@
 #include <string.h>
 
 #define SELECTOR_HELP "auto, all, cpu, gpu, acc, P:D[,P:D...] or name:TEXT"
+#define NO_DEVICE "no OpenCL device was found; "
+#define INSTALL                                                                                    \
+    "install a driver for your device, or a processor's on Debian and Ubuntu with "                \
+    "'apt-get install pocl-opencl-icd ocl-icd-libopencl1'"
 
 static asdic_status none(asdic_context *ctx, const char *selector, const char *reason) {
     return asdic_fail(ctx, ASDIC_ERROR_DEVICE,
@@ -135,6 +139,17 @@ static bool word_matches(const char *selector, const asdic_device_info *info, bo
     return false;
 }
 
+/* So it looks, too, where PoCL cannot keep what it compiles. */
+static asdic_status no_device(asdic_context *ctx) {
+    char folder[ASDIC_CACHE_SIZE];
+    const char *why = asdic_cache_refusal(folder);
+    return why ? asdic_fail(ctx, ASDIC_ERROR_DEVICE,
+                            NO_DEVICE "where PoCL is installed, set POCL_CACHE_DIR to a folder "
+                                      "that can be written to: '%s' cannot (%s); else " INSTALL,
+                            folder, why)
+               : asdic_fail(ctx, ASDIC_ERROR_DEVICE, NO_DEVICE INSTALL);
+}
+
 asdic_status asdic_listed_select(asdic_context *ctx, const asdic_listed *list, size_t count,
                                  const char *selector, size_t *chosen, size_t *chosen_count) {
     const char *unusable = NULL;
@@ -153,10 +168,7 @@ asdic_status asdic_listed_select(asdic_context *ctx, const asdic_listed *list, s
                           selector);
     }
     if (count == 0) {
-        return asdic_fail(ctx, ASDIC_ERROR_DEVICE,
-                          "no OpenCL device was found; install a driver for your device, or a "
-                          "processor's on Debian and Ubuntu with 'apt-get install "
-                          "pocl-opencl-icd ocl-icd-libopencl1'");
+        return no_device(ctx);
     }
     if (!known && !is_auto) {
         return select_pairs(ctx, list, count, selector, chosen, chosen_count);

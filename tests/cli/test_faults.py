@@ -167,18 +167,25 @@ def test_kernel_cache_that_cannot_be_written():
         closed = folder / "closed"
         os.mkdir(closed)
         os.chmod(closed, 0o555)
-        places = ({"HOME": closed, "XDG_CACHE_HOME": None, "POCL_CACHE_DIR": None},
-                  {"XDG_CACHE_HOME": closed, "POCL_CACHE_DIR": None}, {"POCL_CACHE_DIR": closed})
+        places = (({"HOME": closed, "XDG_CACHE_HOME": None, "POCL_CACHE_DIR": None}, "Permission denied"),
+                  ({"XDG_CACHE_HOME": closed, "POCL_CACHE_DIR": None}, "Permission denied"),
+                  ({"POCL_CACHE_DIR": closed}, "Permission denied"),
+                  ({"HOME": None, "XDG_CACHE_HOME": None, "POCL_CACHE_DIR": None}, "HOME is not set"))
         try:
-            for place in places:
+            for place, why in places:
                 env = {name: value and str(value) for name, value in place.items()}
                 done = unprivileged("run", path, "-o", folder / "r", "--force", cwd="/",
                                     TMPDIR=folder.path, **env).check(code=0)
                 tap.contains(done.err, "warning: compiled kernels cannot be kept in")
-                tap.contains(done.err, "Permission denied")
+                tap.contains(done.err, f"({why}); they are kept in '{folder.path}/asdic-kernels-")
             kept = [name for name in os.listdir(folder.path) if name.startswith("asdic-kernels-")]
             tap.equal(len(kept), 1, "folders, which later runs share")
             done = unprivileged("devices", cwd="/", TMPDIR=folder.path, POCL_CACHE_DIR="").check(code=0)
+            done = unprivileged("devices", cwd="/", TMPDIR="/dev/null", POCL_CACHE_DIR="/dev/null/x").check(code=4)
+            tap.contains(done.err, "cannot be kept in '/dev/null/x' (Not a directory), nor below '/dev/null' (Not a "
+                         "directory); set POCL_CACHE_DIR")
+            tap.contains(done.err, "set POCL_CACHE_DIR to a folder that can be written to: '/dev/null/x' cannot (Not a "
+                         "directory); else install a driver")
         finally:
             os.chmod(closed, 0o755)
 

@@ -172,6 +172,19 @@ def test_devices():
     tap.contains(done.stdout, "OpenCL")
 
 
+def test_kernel_cache_that_cannot_be_written():
+    """Devices are found all the same, with a remark."""
+    need_device()
+    with tempfile.TemporaryDirectory(prefix="asdic-test-") as folder:
+        env = {name: value for name, value in os.environ.items() if name not in ("POCL_CACHE_DIR", "XDG_CACHE_HOME")}
+        for act in ("asdic.devices()", "[asdic.model('transmission-loss', d_m=9, alpha_db_per_km=9, device='auto')]"):
+            done = subprocess.run([sys.executable, "-c", f"import asdic; print(len({act}))"], capture_output=True, text=True,
+                                  check=False, env={**env, "HOME": "/dev/null", "TMPDIR": folder})
+            tap.equal((done.returncode, int(done.stdout or 0) > 0), (0, True), done.stderr)
+            tap.contains(done.stderr, "Remark: compiled kernels cannot be kept in '/dev/null/.cache/pocl/kcache' (Not a "
+                         f"directory); they are kept in '{folder}/asdic-kernels-")
+
+
 def test_output_that_exists():
     need_device()
     with tempfile.TemporaryDirectory(prefix="asdic-test-") as folder:

@@ -170,6 +170,24 @@ static void no_platform_names_the_packages(void **state) {
     assert_contains(asdic_context_error(ctx), "pocl-opencl-icd");
 }
 
+/* PoCL has no device there, installed or not. */
+static void no_platform_names_the_folder_that_cannot_be_written(void **state) {
+    (void)state;
+    const char *before = getenv("POCL_CACHE_DIR");
+    char *kept = before ? strdup(before) : NULL;
+    setenv("POCL_CACHE_DIR", "/dev/null/x", 1);
+    assert_status(ctx, choose(0, "auto"), ASDIC_ERROR_DEVICE);
+    assert_contains(asdic_context_error(ctx), "set POCL_CACHE_DIR to a folder that can be written "
+                                              "to: '/dev/null/x' cannot (Not a directory)");
+    assert_contains(asdic_context_error(ctx), "pocl-opencl-icd ocl-icd-libopencl1");
+    if (kept) {
+        setenv("POCL_CACHE_DIR", kept, 1);
+    } else {
+        unsetenv("POCL_CACHE_DIR");
+    }
+    free(kept);
+}
+
 static void nonsense_is_an_argument_error(void **state) {
     (void)state;
     const char *bad[] = {
@@ -195,6 +213,7 @@ int main(void) {
         cmocka_unit_test_setup(names_match_in_part_and_any_case, setup),
         cmocka_unit_test_setup(what_is_not_there_is_a_device_error, setup),
         cmocka_unit_test_setup(no_platform_names_the_packages, setup),
+        cmocka_unit_test_setup(no_platform_names_the_folder_that_cannot_be_written, setup),
         cmocka_unit_test_setup(nonsense_is_an_argument_error, setup),
     };
     if (asdic_context_create(&ctx) != ASDIC_OK) {

@@ -43,6 +43,12 @@ ASDIC_API asdic_status asdic_device_list(asdic_context *ctx, asdic_device_info *
                                          size_t *count);
 ASDIC_API void asdic_device_info_free(asdic_device_info **infos);
 
+/* PoCL shows no device, or compiles no kernel, where it cannot keep what it compiles: below
+ * POCL_CACHE_DIR, else XDG_CACHE_HOME, else HOME. Where that is so, sets POCL_CACHE_DIR to a folder
+ * of the user's own among the temporary files, with a warning. Before the first device is listed or
+ * opened, and before other threads that read the environment. */
+ASDIC_API void asdic_kernel_cache_prepare(asdic_context *ctx);
+
 /* Opens every device the selector matches (NULL means "auto"). *OUT is an array of *COUNT devices,
  * closed and freed together by asdic_devices_close. ASDIC_ERROR_DEVICE when nothing matches or
  * nothing is usable, with the packages to install when there is no platform. */

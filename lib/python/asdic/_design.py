@@ -140,6 +140,7 @@ def devices() -> list[Fields]:
     """The OpenCL devices, as asdic_device_info; `platform` and `device` are the P:D of a selector."""
     context = Context()
     found, count = ffi.new("asdic_device_info **"), ffi.new("size_t *")
+    lib.asdic_kernel_cache_prepare(context.pointer)
     context.run(lib.asdic_device_list, context.pointer, found, count)
     try:
         return [fields(found[0][index]) for index in range(count[0])]

@@ -371,6 +371,7 @@ def open_devices(context: Context, selector: str | None) -> Devices:
                    "start processes by multiprocessing's 'spawn'")
     _OPENCL[:] = [_Process.number]
     place, count = ffi.new("asdic_device ***"), ffi.new("size_t *")
+    lib.asdic_kernel_cache_prepare(context.pointer)
     context.run(lib.asdic_devices_open, context.pointer, encoded(selector, "device") if selector else ffi.NULL,
                 place, count)
     devices = Devices("device", place, lambda opened: lib.asdic_devices_close(opened, count[0]), context.handle)

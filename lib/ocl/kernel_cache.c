@@ -4,15 +4,14 @@
  * cron jobs and service accounts have such folders. PoCL 3.1 looks at POCL_CACHE_DIR, then at
  * XDG_CACHE_HOME/pocl/kcache, then at HOME/.cache/pocl/kcache (pocl_cache.c, pocl_cache_init_topdir).
  */
-#include "cli.h"
+#include "opencl.h"
 
 #include <errno.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
-#define PATH_SIZE 4096
 
 /* A variable that is set and not empty, else NULL. */
 static const char *variable(const char *name) {
@@ -20,15 +19,14 @@ static const char *variable(const char *name) {
     return value && *value ? value : NULL;
 }
 
-/* The folder that PoCL would take into PATH; false: none by environment. */
-static bool chosen_folder(char *path) {
+bool asdic_cache_folder(char path[ASDIC_CACHE_SIZE]) {
     const char *folder = variable("POCL_CACHE_DIR"), *below = "";
     if (!folder && (folder = variable("XDG_CACHE_HOME"))) {
         below = "/pocl/kcache";
     } else if (!folder && (folder = variable("HOME"))) {
         below = "/.cache/pocl/kcache";
     }
-    return folder && snprintf(path, PATH_SIZE, "%s%s", folder, below) < PATH_SIZE;
+    return folder && snprintf(path, ASDIC_CACHE_SIZE, "%s%s", folder, below) < ASDIC_CACHE_SIZE;
 }
 
 /* Makes PATH with all folders above it; 0, or errno where it cannot be written to. */
@@ -46,11 +44,19 @@ static int make_writable(char *path) {
     return access(path, W_OK | X_OK) == 0 ? 0 : errno;
 }
 
-/* A folder of the user's own among the temporary ones, which later runs find again; false: none. */
-static bool private_folder(char *path) {
-    const char *temporary = variable("TMPDIR") ? variable("TMPDIR") : "/tmp";
+const char *asdic_cache_refusal(char path[ASDIC_CACHE_SIZE]) {
+    if (!asdic_cache_folder(path)) { /* PoCL takes one below /tmp that all users share */
+        snprintf(path, ASDIC_CACHE_SIZE, "~/.cache/pocl/kcache");
+        return "HOME is not set";
+    }
+    int error = make_writable(path);
+    return error ? strerror(error) : NULL;
+}
+
+/* A folder of the user's own in TEMPORARY, which later runs find again; false: none. */
+static bool private_folder(const char *temporary, char *path) {
     struct stat s;
-    snprintf(path, PATH_SIZE, "%s/asdic-kernels-%lu", temporary, (unsigned long)geteuid());
+    snprintf(path, ASDIC_CACHE_SIZE, "%s/asdic-kernels-%lu", temporary, (unsigned long)geteuid());
     if (mkdir(path, 0700) == 0) {
         return true;
     }
@@ -59,25 +65,27 @@ static bool private_folder(char *path) {
         (s.st_mode & 077) == 0 && access(path, W_OK | X_OK) == 0) {
         return true;
     }
-    snprintf(path, PATH_SIZE, "%s/asdic-kernels-XXXXXX", temporary);
+    snprintf(path, ASDIC_CACHE_SIZE, "%s/asdic-kernels-XXXXXX", temporary);
     return mkdtemp(path) != NULL;
 }
 
-void cli_prepare_kernel_cache(cli *c) {
-    char wanted[PATH_SIZE], instead[PATH_SIZE];
-    const char *given = getenv("POCL_CACHE_DIR");
+void asdic_kernel_cache_prepare(asdic_context *ctx) {
+    const char *temporary = variable("TMPDIR") ? variable("TMPDIR") : "/tmp";
+    const char *given = getenv("POCL_CACHE_DIR"),
+               *set = "set POCL_CACHE_DIR to a folder that can be written to";
+    char wanted[ASDIC_CACHE_SIZE], instead[ASDIC_CACHE_SIZE];
     if (given && !*given) {
         unsetenv("POCL_CACHE_DIR"); /* as if it were not set, instead of an abort */
     }
-    if (!chosen_folder(wanted)) {
-        return;
-    }
-    int error = make_writable(wanted);
-    if (error && private_folder(instead)) {
+    const char *why = asdic_cache_refusal(wanted);
+    if (why && private_folder(temporary, instead)) {
         setenv("POCL_CACHE_DIR", instead, 1);
-        cli_warning(c,
-                    "compiled kernels cannot be kept in '%s' (%s); they are kept in '%s'; set "
-                    "POCL_CACHE_DIR to a folder that can be written to",
-                    wanted, strerror(error), instead);
+        asdic_log(ctx, ASDIC_LOG_WARNING,
+                  "compiled kernels cannot be kept in '%s' (%s); they are kept in '%s'; %s", wanted,
+                  why, instead, set);
+    } else if (why) {
+        asdic_log(ctx, ASDIC_LOG_WARNING,
+                  "compiled kernels cannot be kept in '%s' (%s), nor below '%s' (%s); %s", wanted,
+                  why, temporary, strerror(errno), set);
     }
 }
