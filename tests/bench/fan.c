@@ -1,7 +1,6 @@
 /* What many beams of the same rays cost and how exact each is; and the published case to beat, 512
  * beams of 114 rays each, 60 m of range, over a rough floor of triangles: Project DAVE, 1.7 s a
- * ping when first published and 36 ms since, both on CUDA cards. It has cells of 25 mm; the last
- * row has bins of 0.1 m. */
+ * ping with phase on a CUDA card. It has cells of 25 mm; the last row has bins of 0.1 m. */
 #include "bench_pings.h"
 #include "kinds.h"
 
