@@ -43,5 +43,6 @@ for x, y in piles:
     plt.gca().add_patch(plt.Circle((x, y), 1, color="tab:orange"))
 plt.gca().set(xlabel="north, m", ylabel="east, m", aspect="equal",
               title=f"{len(track)} pings; never nearer than {closest:.1f} m to the middle of a pile")
+plt.gca().invert_yaxis()  # from above, as a map: starboard of the way north is down
 plt.savefig(picture, dpi=80, bbox_inches="tight")
 print(f"{len(track)} pings, {north[-1]:.0f} m north, never nearer than {closest:.1f} m")

@@ -15,6 +15,14 @@ GALLERY = os.path.join(ROOT, "docs", "gallery")
 SCRIPTS = sorted(glob.glob(os.path.join(GALLERY, "*.py")))
 
 
+def check_maps(pyplot):
+    """Maps of the figures that are open lie as seen from above: east is to the right of north."""
+    for ax in (ax for number in pyplot.get_fignums() for ax in pyplot.figure(number).axes):
+        along, up = ax.get_xlabel(), ax.get_ylabel()
+        if {along, up} == {"north, m", "east, m"}:
+            tap.equal(ax.xaxis_inverted() != ax.yaxis_inverted(), along == "north, m", "one axis is turned round")
+
+
 def drawn(script, size):
     """What SCRIPT prints while it draws a picture. All share this process, since importing takes its time."""
     need_device()
@@ -24,6 +32,7 @@ def drawn(script, size):
         try:
             with contextlib.redirect_stdout(said):
                 runpy.run_path(script, run_name="__main__")
+            check_maps(sys.modules["matplotlib.pyplot"])
         except ModuleNotFoundError as error:
             if error.name in ("matplotlib", "xarray"):
                 raise tap.Skip(str(error)) from error
