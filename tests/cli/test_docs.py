@@ -5,7 +5,7 @@ A fence says how its text is tested:
     ```sh             run line by line, in one folder a page, where data and build/cli/asdic are those
                       of this tree and asdic is on the path
     ```sh by=TEST     run by the test of that name (meson test --list), or, by=hand, by nobody: it
-                      installs packages or opens a window
+                      installs packages, opens a window, needs ROS 2 or takes minutes
     ```console        '$ command', then what it prints; numbers may have fewer digits
     ```yaml           a scene, kept as scene.yaml; or some keys of one, put in place of those of the
                       page's last scene (README's on a page without): asdic check accepts it
