@@ -80,8 +80,10 @@ asdic_status asdic_mission_load_like(asdic_context *ctx, const char *path, const
 /* The bottom where it is a mesh or grid: the first object, which has no name. Else NULL. */
 const asdic_mission_object *asdic_mission_bottom_mesh(const asdic_mission *mission);
 
-/* Whether the scene file at PATH, with what it includes, says what the mission with HASH did. */
-bool asdic_mission_has_hash(const char *path, const char *hash);
+/* The mission of the scene file at PATH, if that, with what it includes, says what the mission with
+ * HASH did; NULL if it is gone, or says something else. */
+asdic_status asdic_mission_load_same(asdic_context *ctx, const char *path, const char *hash,
+                                     asdic_mission **out);
 
 /* The place of NAME among the mission's classes, from 1; 0: it is none of them. */
 size_t asdic_mission_class(const asdic_mission *mission, const char *name);

@@ -385,11 +385,21 @@ asdic_status asdic_mission_load_empty(asdic_context *ctx, const char *path, asdi
     return load_file(ctx, path, &(mission_builder){.extent = MISSION_EMPTY}, out);
 }
 
-bool asdic_mission_has_hash(const char *path, const char *hash) {
-    asdic_mission *m = NULL;
-    const mission_builder how = {.extent = MISSION_TEXT};
-    bool is_same = strcmp(path, "-") != 0 && load_file(NULL, path, &how, &m) == ASDIC_OK &&
-                   strcmp(m->hash, hash) == 0;
-    asdic_mission_destroy(&m);
-    return is_same;
+/* Without a word: a scene that was changed since may say anything. */
+static asdic_status load_same(const char *path, const char *hash, asdic_mission **out) {
+    asdic_mission *text = NULL;
+    TRY(load_file(NULL, path, &(mission_builder){.extent = MISSION_TEXT}, &text));
+    bool is_same = strcmp(text->hash, hash) == 0;
+    asdic_mission_destroy(&text);
+    return is_same ? asdic_mission_load(NULL, path, out) : ASDIC_OK;
+}
+
+asdic_status asdic_mission_load_same(asdic_context *ctx, const char *path, const char *hash,
+                                     asdic_mission **out) {
+    *out = NULL;
+    asdic_status status = strcmp(path, "-") != 0 ? load_same(path, hash, out) : ASDIC_OK;
+    return status == ASDIC_OK || status == ASDIC_ERROR_INPUT
+               ? ASDIC_OK
+               : asdic_fail(ctx, status, "scene '%s' cannot be loaded again: %s", path,
+                            asdic_status_text(status));
 }

@@ -270,6 +270,17 @@ static asdic_status create_files(void) {
     return status;
 }
 
+/* With what the scene says of objects, which a run without its scene is without. */
+static asdic_status detect(void) {
+    asdic_detect_options options = asdic_detect_options_default();
+    asdic_detect_report *report = NULL;
+    options.force = true;
+    asdic_status status = asdic_run_detect(ctx, in_folder("reference"), &options, &report);
+    assert_true((status == ASDIC_OK) == (report != NULL));
+    asdic_detect_report_destroy(&report);
+    return status;
+}
+
 /* ---- what must hold ------------------------------------------------------------------------- */
 
 static void assert_same_file(const char *a, const char *b, const char *name) {
@@ -335,6 +346,12 @@ static void memory_while_loading(void **state) {
     for (size_t i = 0; i < sizeof jobs / sizeof *jobs; i++) {
         fail_each(FAULT_ALLOCATION, jobs[i], 1, 1, NULL); /* the tree is not trimmed */
     }
+}
+
+static void memory_while_detecting(void **state) {
+    (void)state;
+    /* The tree is not trimmed, and nobody asked for messages whose file has no name. */
+    fail_each(FAULT_ALLOCATION, detect, 1, 2, NULL);
 }
 
 static void memory_while_opening_devices(void **state) {
@@ -529,6 +546,7 @@ int main(void) {
     }
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(memory_while_loading),
+        cmocka_unit_test(memory_while_detecting),
         cmocka_unit_test(memory_while_opening_devices),
         cmocka_unit_test(memory_while_running),
         cmocka_unit_test(memory_while_compiling),

@@ -320,8 +320,8 @@ static asdic_status choose_background(asdic_detect_job *job) {
 static asdic_status load_scene(asdic_detect_job *job) {
     const asdic_run_facts *facts = &job->run->facts;
     char hex[65];
-    if (!asdic_mission_has_hash(facts->scene_path, facts->scene_hash) ||
-        asdic_mission_load(NULL, facts->scene_path, &job->mission) != ASDIC_OK) {
+    TRY(asdic_mission_load_same(job->ctx, facts->scene_path, facts->scene_hash, &job->mission));
+    if (!job->mission) {
         return ASDIC_OK;
     }
     TRY(asdic_mission_inputs_hash(job->ctx, job->mission, hex));
