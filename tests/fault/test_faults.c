@@ -281,6 +281,16 @@ static asdic_status detect(void) {
     return status;
 }
 
+static asdic_status draw_roc(void) {
+    asdic_roc_point points[2] = {{.design_pfa = 1e-3}, {.design_pfa = 1.0}};
+    asdic_roc_reach reach[2] = {{.range_m = 5.0}, {.range_m = 9.0}};
+    asdic_roc roc = {.points = points, .point_count = 2, .reach = reach, .reach_count = 2};
+    asdic_roc *rocs[] = {&roc, &roc};
+    const char *names[] = {"a", "b"};
+    asdic_status status = asdic_roc_draw(ctx, in_folder("roc.png"), "a", names, rocs, 2);
+    return status == ASDIC_ERROR_UNSUPPORTED ? ASDIC_OK : status; /* without cairo */
+}
+
 /* ---- what must hold ------------------------------------------------------------------------- */
 
 static void assert_same_file(const char *a, const char *b, const char *name) {
@@ -341,8 +351,9 @@ static void fail_each(fault_kind kind, job run, long step, long spared, void (*a
 
 static void memory_while_loading(void **state) {
     (void)state;
-    static const job jobs[] = {load_objects, load_track, load_obj, load_off, load_ply,
-                               load_grid,    expect,     merge,    replay,   create_files};
+    static const job jobs[] = {load_objects, load_track,   load_obj, load_off,
+                               load_ply,     load_grid,    expect,   merge,
+                               replay,       create_files, draw_roc};
     for (size_t i = 0; i < sizeof jobs / sizeof *jobs; i++) {
         fail_each(FAULT_ALLOCATION, jobs[i], 1, 1, NULL); /* the tree is not trimmed */
     }

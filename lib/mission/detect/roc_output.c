@@ -238,9 +238,12 @@ static void add_chance(drawing *d) {
                                                .style = ASDIC_LINE_DOTTED};
 }
 
-static asdic_status draw(asdic_context *ctx, const char *path, const char *title, const drawing *d,
+static asdic_status draw(asdic_context *ctx, const char *path, const char *title, drawing *d,
                          asdic_roc *const *rocs, size_t count) {
     char range_title[160], pfa[32];
+    if (lowest(d->curve, count) == 0.0) { /* else it lies outside */
+        add_chance(d);
+    }
     snprintf(pfa, sizeof pfa, "P_FA = %g", rocs[0]->pfa);
     for (size_t i = 1; i < count; i++) {
         if (rocs[i]->pfa != rocs[0]->pfa) {
@@ -285,12 +288,8 @@ asdic_status asdic_roc_draw(asdic_context *ctx, const char *path, const char *ti
         return asdic_fail_memory(ctx, "a picture");
     }
     locale_t before = asdic_c_locale_enter();
-    bool is_there = add_curves(d, names, rocs, count);
-    if (lowest(d->curve, count) == 0.0) { /* else it lies outside */
-        add_chance(d);
-    }
-    asdic_status status =
-        is_there ? draw(ctx, path, title, d, rocs, count) : asdic_fail_memory(ctx, "a picture");
+    asdic_status status = add_curves(d, names, rocs, count) ? draw(ctx, path, title, d, rocs, count)
+                                                            : asdic_fail_memory(ctx, "a picture");
     asdic_c_locale_leave(before);
     drawing_finish(d);
     return status;
