@@ -281,6 +281,20 @@ static asdic_status detect(void) {
     return status;
 }
 
+/* Whole, or none at all. */
+static asdic_status print_schema(void) {
+    static char *whole;
+    char *schema = asdic_mission_schema();
+    if (!whole) {
+        whole = schema;
+        return ASDIC_OK;
+    }
+    assert_true(!schema || strcmp(schema, whole) == 0);
+    asdic_status status = schema ? ASDIC_OK : asdic_fail_memory(ctx, "a schema");
+    free(schema);
+    return status;
+}
+
 static asdic_status draw_roc(void) {
     asdic_roc_point points[2] = {{.design_pfa = 1e-3}, {.design_pfa = 1.0}};
     asdic_roc_reach reach[2] = {{.range_m = 5.0}, {.range_m = 9.0}};
@@ -351,9 +365,9 @@ static void fail_each(fault_kind kind, job run, long step, long spared, void (*a
 
 static void memory_while_loading(void **state) {
     (void)state;
-    static const job jobs[] = {load_objects, load_track,   load_obj, load_off,
-                               load_ply,     load_grid,    expect,   merge,
-                               replay,       create_files, draw_roc};
+    static const job jobs[] = {load_objects, load_track,   load_obj,     load_off,
+                               load_ply,     load_grid,    expect,       merge,
+                               replay,       create_files, print_schema, draw_roc};
     for (size_t i = 0; i < sizeof jobs / sizeof *jobs; i++) {
         fail_each(FAULT_ALLOCATION, jobs[i], 1, 1, NULL); /* the tree is not trimmed */
     }

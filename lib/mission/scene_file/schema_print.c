@@ -146,6 +146,12 @@ static void print_fallback(const asdic_key *key, asdic_text *text) {
     }
 }
 
+/* What TEXT is made of is ended with it; memory that was short for PART is short for TEXT. */
+static void finish_part(asdic_text *text, asdic_text *part) {
+    text->failed |= part->failed;
+    asdic_text_finish(part);
+}
+
 static void print_key(const asdic_key *key, asdic_text *text, int indent) {
     asdic_text about = {0};
     asdic_text_add_json(text, key->name);
@@ -153,7 +159,7 @@ static void print_key(const asdic_key *key, asdic_text *text, int indent) {
     asdic_text_format(&about, "%s%s%s%s", key->doc, key->unit ? " [" : "",
                       key->unit ? key->unit : "", key->unit ? "]" : "");
     asdic_text_add_json(text, about.data ? about.data : "");
-    asdic_text_finish(&about);
+    finish_part(text, &about);
     if (key->fallback) {
         print_fallback(key, text);
     }
@@ -186,8 +192,8 @@ static void print_law(const asdic_table *table, const char *law, asdic_text *tex
         asdic_text_format(text, ", \"not\": {\"anyOf\": [%s]}", pairs.data);
     }
     asdic_text_add(text, "}");
-    asdic_text_finish(&names);
-    asdic_text_finish(&pairs);
+    finish_part(text, &names);
+    finish_part(text, &pairs);
 }
 
 /* The keys of one law at most. */
@@ -254,11 +260,11 @@ static void print_rules(const asdic_table *table, asdic_text *text, int indent) 
             new_line(text, indent);
         }
     }
-    asdic_text_finish(&required);
-    asdic_text_finish(&unless);
-    asdic_text_finish(&either);
-    asdic_text_finish(&one_of);
-    asdic_text_finish(&pairs);
+    finish_part(text, &required);
+    finish_part(text, &unless);
+    finish_part(text, &either);
+    finish_part(text, &one_of);
+    finish_part(text, &pairs);
 }
 
 static void print_map(const asdic_table *table, asdic_text *text, int indent) {
