@@ -21,6 +21,7 @@
 
 #include <dirent.h>
 #include <errno.h>
+#include <fcntl.h>
 #include <math.h>
 #include <pthread.h>
 #include <stdlib.h>
@@ -252,7 +253,8 @@ static asdic_status describe(asdic_context *ctx, const asdic_trial_options *o, t
         const char *key = o->variants.key ? o->variants.key : "";
         const char *value = o->variants.key ? o->variants.values[v] : "";
         facts->values[v] = strdup(value);
-        status = asdic_trial_load(ctx, o, 0, v, NULL, &mission);
+        status = facts->values[v] ? asdic_trial_load(ctx, o, 0, v, NULL, &mission)
+                                  : asdic_fail_memory(ctx, "a trial");
         if (!status) {
             bool is_blind = mission->trial.is_ideal;
             *is_ideal = is_blind && (v == 0 || *is_ideal);
@@ -277,7 +279,8 @@ static asdic_status describe(asdic_context *ctx, const asdic_trial_options *o, t
         status = asdic_scene_files_hash(ctx, o->scene, o->variants.values,
                                         o->variants.key ? o->variants.count : 0, &all);
     }
-    if (!status && (all.failed || header->failed)) {
+    bool is_short = (o->rule && !facts->rule) || (o->variants.key && !facts->key);
+    if (!status && (all.failed || header->failed || is_short)) {
         status = asdic_fail_memory(ctx, "a trial");
     }
     if (!status) {
@@ -308,12 +311,12 @@ static asdic_status check(asdic_context *ctx, asdic_trial_options *o) {
 static void remove_files(const char *folder, bool under_way) {
     static const char *const names[] = {"trial.json",     "trial.csv",       "trial.png",
                                         "trial.part.csv", "trial.part.json", "trial.part.csv.part"};
-    for (int i = 0; i < (under_way ? 6 : 3); i++) {
-        char *path = asdic_trial_path(folder, names[i]);
-        if (path) {
-            unlink(path);
-        }
-        free(path);
+    int folder_fd = open(folder, O_RDONLY | O_DIRECTORY);
+    for (int i = 0; folder_fd >= 0 && i < (under_way ? 6 : 3); i++) {
+        unlinkat(folder_fd, names[i], 0);
+    }
+    if (folder_fd >= 0) {
+        close(folder_fd);
     }
 }
 

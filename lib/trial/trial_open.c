@@ -131,6 +131,14 @@ static asdic_status damaged(asdic_context *ctx, const char *path, const char *wh
                       why);
 }
 
+/* What is wrong with PATH, by the STATUS of reading it. */
+static asdic_status tell(asdic_context *ctx, asdic_status status, const char *path,
+                         const char *why) {
+    return status == ASDIC_ERROR_MEMORY ? asdic_fail_memory(ctx, path)
+           : status                     ? damaged(ctx, path, why)
+                                        : ASDIC_OK;
+}
+
 static uint64_t whole_number(const asdic_yaml_node *root, const char *key) {
     const asdic_yaml_node *node = asdic_yaml_child(root, key);
     return node && node->kind == ASDIC_YAML_SCALAR ? strtoull(node->text, NULL, 10) : 0;
@@ -143,7 +151,7 @@ static void copy_text(const asdic_yaml_node *root, const char *key, char *out, s
     }
 }
 
-static bool take_facts(const asdic_yaml_node *root, trial_facts *f) {
+static asdic_status take_facts(const asdic_yaml_node *root, trial_facts *f) {
     const asdic_yaml_node *key = asdic_yaml_child(root, "key");
     const asdic_yaml_node *values = asdic_yaml_child(root, "values");
     const asdic_yaml_node *rule = asdic_yaml_child(root, "rule");
@@ -159,11 +167,14 @@ static bool take_facts(const asdic_yaml_node *root, trial_facts *f) {
     f->key = key && key->text ? strdup(key->text) : NULL;
     f->rule = is_program ? strdup(command && command->text ? command->text : "") : NULL;
     f->variants = key ? 0 : 1;
+    bool is_there = (f->key || !key || !key->text) && (f->rule || !is_program);
     for (const asdic_yaml_node *v = values ? values->first : NULL;
          key && v && f->variants < ASDIC_TRIAL_MOST_VARIANTS; v = v->next) {
-        f->values[f->variants++] = strdup(v->text ? v->text : "");
+        f->values[f->variants] = strdup(v->text ? v->text : "");
+        is_there &= f->values[f->variants++] != NULL;
     }
-    return (!key || key->text) && f->variants > 0 && f->runs > 0 && f->hash[0];
+    bool is_good = (!key || key->text) && f->variants > 0 && f->runs > 0 && f->hash[0];
+    return !is_there ? ASDIC_ERROR_MEMORY : is_good ? ASDIC_OK : ASDIC_ERROR_INPUT;
 }
 
 static asdic_status read_facts(asdic_context *ctx, const char *path, trial_facts *out) {
@@ -173,12 +184,14 @@ static asdic_status read_facts(asdic_context *ctx, const char *path, trial_facts
     asdic_problems problems = {.name = path};
     asdic_yaml_node *root = NULL;
     TRY(asdic_file_read(ctx, path, 16 << 20, &text, &bytes));
-    bool good = asdic_yaml_read(text, bytes, &arena, &problems, &root) && root &&
-                problems.total == 0 && take_facts(root, out);
+    asdic_status status = !asdic_yaml_read(text, bytes, &arena, &problems, &root)
+                              ? ASDIC_ERROR_MEMORY
+                          : root && problems.total == 0 ? take_facts(root, out)
+                                                        : ASDIC_ERROR_INPUT;
     free(text);
     asdic_problems_finish(&problems);
     asdic_arena_finish(&arena);
-    return good ? ASDIC_OK : damaged(ctx, path, "this is no trial.json");
+    return tell(ctx, status, path, "this is no trial.json");
 }
 
 static int find_word(const char *word, const char *(*name)(int), int count) {
@@ -200,11 +213,8 @@ static const char *cause_name(int i) {
 
 /* A field of the row, cut out of it; the draws behind the last that is read may hold commas. */
 static char *cut(char **at) {
-    char *field = *at, *end = strpbrk(field, ",\n");
-    if (!end) {
-        return field + strlen(field);
-    }
-    *at = end + 1;
+    char *field = *at, *end = field + strcspn(field, ",");
+    *at = end + (*end != '\0');
     *end = '\0';
     return field;
 }
@@ -231,37 +241,37 @@ static bool read_row(char *line, trial_row *row) {
     return outcome >= 0 && cause >= 0;
 }
 
-/* The rows of TEXT behind its header; whether they are those that the facts ask for, one after the other. */
-static bool take_rows(asdic_trial *t, const char *text) {
+/* The rows of TEXT behind its header, which must be those that the facts ask for, one after the other. */
+static asdic_status take_rows(asdic_trial *t, const char *text) {
     size_t lines = 0;
     for (const char *c = text; *c; c++) {
         lines += *c == '\n';
     }
-    const char *end = strchr(text, '\n');
-    t->rows = calloc(lines + 1, sizeof *t->rows);
-    t->header = end ? strndup(text, (size_t)(end - text) + 1) : NULL;
-    t->body = end ? strdup(end + 1) : NULL;
-    if (!t->rows || !t->header || !t->body) {
-        return false;
+    if (lines == 0) {
+        return ASDIC_ERROR_INPUT;
     }
-    char *copy = strdup(t->body), *at = copy;
-    bool good = copy != NULL;
-    while (good && (end = strchr(at, '\n'))) {
-        char *next = at + (end - at) + 1;
+    const char *rows = strchr(text, '\n') + 1;
+    t->rows = calloc(lines, sizeof *t->rows);
+    t->header = strndup(text, (size_t)(rows - text));
+    t->body = strdup(rows);
+    char *copy = strdup(rows), *at = copy;
+    if (!t->rows || !t->header || !t->body || !copy) {
+        free(copy);
+        return ASDIC_ERROR_MEMORY;
+    }
+    bool good = true;
+    for (char *end; good && (end = strchr(at, '\n')); at = end + 1) {
         trial_row *row = &t->rows[t->row_count];
-        char *line = strndup(at, (size_t)(end - at) + 1);
-        good = line && read_row(line, row) &&
-               row->run == t->facts.first + t->row_count / t->facts.variants &&
+        *end = '\0';
+        good = read_row(at, row) && row->run == t->facts.first + t->row_count / t->facts.variants &&
                row->variant == t->row_count % t->facts.variants;
-        free(line);
         t->row_count += good;
-        at = next;
     }
     if (good) {
         t->body[at - copy] = '\0'; /* what is behind the last whole row */
     }
     free(copy);
-    return good;
+    return good ? ASDIC_OK : ASDIC_ERROR_INPUT;
 }
 
 static bool name_variants(asdic_trial *t) {
@@ -289,8 +299,8 @@ static asdic_status read_all(asdic_context *ctx, const char *folder, bool part, 
     if (!status) {
         status = asdic_file_read(ctx, csv, MOST_BYTES, &text, &bytes);
     }
-    if (!status && !take_rows(t, text)) {
-        status = damaged(ctx, csv, "its rows are not those of the trial");
+    if (!status) {
+        status = tell(ctx, take_rows(t, text), csv, "its rows are not those of the trial");
     }
     if (!status && !part && t->row_count != t->facts.count * t->facts.variants) {
         status = damaged(ctx, csv, "rows are missing");

@@ -13,6 +13,7 @@
 #include "laws/tabulate.h"
 #include "live/camera.h"
 #include "mission/mission.h"
+#include "mission/run/run_chart_data.h"
 #include "mission/run/run_files.h"
 
 #include "fault.h"
@@ -305,6 +306,36 @@ static asdic_status draw_roc(void) {
     return status == ASDIC_ERROR_UNSUPPORTED ? ASDIC_OK : status; /* without cairo */
 }
 
+static asdic_status read_chart(void) {
+    asdic_chart_data data;
+    asdic_status status = asdic_chart_data_read(ctx, in_folder("reference"), &data);
+    assert_true(status || data.outline_count == 1);
+    asdic_chart_data_finish(&data);
+    return status;
+}
+
+static asdic_status fly(void) {
+    const char *values[] = {"20", "21"};
+    asdic_trial_options options = asdic_trial_options_default();
+    options.scene = in_folder("ideal.yaml");
+    options.folder = in_folder("trial");
+    options.runs = 2;
+    options.variants = (asdic_trial_variants){"bottom.depth_m", values, 2};
+    options.force = true;
+    return asdic_trial_fly(ctx, NULL, 0, &options);
+}
+
+static asdic_status open_trial(void) {
+    asdic_trial *trial = NULL;
+    asdic_status status = asdic_trial_open(ctx, in_folder("trial"), &trial);
+    if (status == ASDIC_OK) {
+        assert_int_equal(asdic_trial_variant_count(trial), 2);
+        assert_string_equal(asdic_trial_variant_name(trial, 1), "bottom.depth_m = 21");
+    }
+    asdic_trial_close(&trial);
+    return status;
+}
+
 /* ---- what must hold ------------------------------------------------------------------------- */
 
 static void assert_same_file(const char *a, const char *b, const char *name) {
@@ -365,9 +396,9 @@ static void fail_each(fault_kind kind, job run, long step, long spared, void (*a
 
 static void memory_while_loading(void **state) {
     (void)state;
-    static const job jobs[] = {load_objects, load_track,   load_obj,     load_off,
-                               load_ply,     load_grid,    expect,       merge,
-                               replay,       create_files, print_schema, draw_roc};
+    static const job jobs[] = {load_objects, load_track, load_obj,   load_off, load_ply,
+                               load_grid,    expect,     merge,      replay,   create_files,
+                               print_schema, draw_roc,   read_chart, fly,      open_trial};
     for (size_t i = 0; i < sizeof jobs / sizeof *jobs; i++) {
         fail_each(FAULT_ALLOCATION, jobs[i], 1, 1, NULL); /* the tree is not trimmed */
     }

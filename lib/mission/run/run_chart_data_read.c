@@ -50,7 +50,7 @@ static bool header(scan *s, const char *key, double *out) {
            next_number(s, " \n", out);
 }
 
-static bool parse_relief(scan *s, asdic_chart_data *out) {
+static asdic_status parse_relief(scan *s, asdic_chart_data *out) {
     asdic_relief *r = &out->relief;
     double columns, rows, no_data;
     if (!header(s, "ncols", &columns) || !header(s, "nrows", &rows) ||
@@ -58,37 +58,40 @@ static bool parse_relief(scan *s, asdic_chart_data *out) {
         !header(s, "cellsize", &r->cell_m) || !header(s, "NODATA_value", &no_data) ||
         !(columns >= 1.0 && rows >= 1.0 && columns * rows <= (double)MOST_CELLS) ||
         !(r->cell_m > 0.0)) {
-        return false;
+        return ASDIC_ERROR_INPUT;
     }
     r->columns = (size_t)columns;
     r->rows = (size_t)rows;
     r->depth_m = malloc(r->columns * r->rows * sizeof *r->depth_m);
-    for (size_t i = 0; i < r->columns * r->rows && r->depth_m; i++) {
+    if (!r->depth_m) {
+        return ASDIC_ERROR_MEMORY;
+    }
+    for (size_t i = 0; i < r->columns * r->rows; i++) {
         double value;
         if (!next_number(s, " \n", &value)) {
-            return false;
+            return ASDIC_ERROR_INPUT;
         }
         r->depth_m[i] = value == no_data ? NAN : (float)value;
     }
-    return r->depth_m != NULL;
+    return ASDIC_OK;
 }
 
 /* One corner a line; a new number in the second field begins an outline. */
-static bool parse_outlines(scan *s, asdic_chart_data *out) {
+static asdic_status parse_outlines(scan *s, asdic_chart_data *out) {
     size_t length, capacity = 0;
     double number, last = NAN, x_m, y_m;
     next_word(s, "\n", &length); /* the names of the columns */
     for (const char *name; (name = next_word(s, ",\n", &length));) {
         if (length >= ASDIC_NAME_SIZE || !next_number(s, ",\n", &number) ||
             !next_number(s, ",\n", &x_m) || !next_number(s, ",\n", &y_m)) {
-            return false;
+            return ASDIC_ERROR_INPUT;
         }
         if (number != last) {
             if (out->outline_count == capacity) {
                 capacity = capacity ? 2 * capacity : 16;
                 asdic_outline *more = realloc(out->outlines, capacity * sizeof *more);
                 if (!more) {
-                    return false;
+                    return ASDIC_ERROR_MEMORY;
                 }
                 out->outlines = more;
             }
@@ -99,16 +102,16 @@ static bool parse_outlines(scan *s, asdic_chart_data *out) {
         }
         asdic_outline *o = &out->outlines[out->outline_count - 1];
         if (o->count == ASDIC_OUTLINE_SIDES) {
-            return false;
+            return ASDIC_ERROR_INPUT;
         }
         o->north_m[o->count] = x_m;
         o->east_m[o->count++] = y_m;
     }
-    return true;
+    return ASDIC_OK;
 }
 
 /* One point a line; a new name begins a route. */
-static bool parse_routes(scan *s, asdic_chart_data *out) {
+static asdic_status parse_routes(scan *s, asdic_chart_data *out) {
     size_t length, lines = 0, point = 0;
     for (const char *at = s->at; at < s->end; at++) {
         lines += *at == '\n';
@@ -116,17 +119,20 @@ static bool parse_routes(scan *s, asdic_chart_data *out) {
     next_word(s, "\n", &length); /* the names of the columns */
     out->points = calloc(lines + 1, sizeof *out->points);
     out->routes = calloc(lines + 1, sizeof *out->routes);
-    for (const char *name; out->points && out->routes && (name = next_word(s, ",\n", &length));) {
+    if (!out->points || !out->routes) {
+        return ASDIC_ERROR_MEMORY;
+    }
+    for (const char *name; (name = next_word(s, ",\n", &length));) {
         asdic_route *r = out->route_count ? &out->routes[out->route_count - 1] : NULL;
         if (point > lines) {
-            return false; /* several on a line */
+            return ASDIC_ERROR_INPUT; /* several on a line */
         }
         asdic_route_point *p = &out->points[point++];
         double yaw_deg;
         if (length >= ASDIC_NAME_SIZE || !next_number(s, ",\n", &p->time_s) ||
             !next_number(s, ",\n", &p->north_m) || !next_number(s, ",\n", &p->east_m) ||
             !next_number(s, ",\n", &yaw_deg)) {
-            return false;
+            return ASDIC_ERROR_INPUT;
         }
         p->yaw_rad = yaw_deg * ASDIC_PI / 180.0;
         if (!r || strlen(r->name) != length || memcmp(r->name, name, length) != 0) {
@@ -136,12 +142,13 @@ static bool parse_routes(scan *s, asdic_chart_data *out) {
         }
         r->count++;
     }
-    return out->points && out->routes;
+    return ASDIC_OK;
 }
 
 /* Reads the file PATH by PARSE; does nothing when there is no such file. */
 static asdic_status read_file(asdic_context *ctx, const char *path,
-                              bool (*parse)(scan *, asdic_chart_data *), asdic_chart_data *out) {
+                              asdic_status (*parse)(scan *, asdic_chart_data *),
+                              asdic_chart_data *out) {
     char *text = NULL;
     size_t length = 0;
     if (access(path, F_OK) != 0) {
@@ -149,17 +156,20 @@ static asdic_status read_file(asdic_context *ctx, const char *path,
     }
     TRY(asdic_file_read(ctx, path, MAX_BYTES, &text, &length));
     scan s = {text, text + length};
-    bool is_good = parse(&s, out);
+    asdic_status status = parse(&s, out);
     free(text);
-    return is_good ? ASDIC_OK
-                   : asdic_fail(ctx, ASDIC_ERROR_INPUT,
-                                "'%s' is damaged; the chart cannot be drawn from it, run again "
-                                "with --force",
-                                path);
+    if (status == ASDIC_ERROR_INPUT) {
+        return asdic_fail(ctx, status,
+                          "'%s' is damaged; the chart cannot be drawn from it, run again with "
+                          "--force",
+                          path);
+    }
+    return status ? asdic_fail_memory(ctx, path) : ASDIC_OK;
 }
 
 static asdic_status read_part(asdic_context *ctx, const char *folder, const char *name,
-                              bool (*parse)(scan *, asdic_chart_data *), asdic_chart_data *out) {
+                              asdic_status (*parse)(scan *, asdic_chart_data *),
+                              asdic_chart_data *out) {
     char *path = asdic_folder_file(folder, name);
     asdic_status status =
         path ? read_file(ctx, path, parse, out) : asdic_fail_memory(ctx, "a file name");
