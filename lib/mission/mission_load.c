@@ -157,8 +157,9 @@ static asdic_status keep_drawn(mission_builder *b, const asdic_drawn *drawn) {
     asdic_setting *kept = calloc(drawn->count + 1, sizeof *kept);
     b->mission->drawn = kept;
     for (size_t i = 0; kept && i < drawn->count; i++) {
-        kept[i] = (asdic_setting){strdup(drawn->items[i].key), strdup(drawn->items[i].value)};
-        kept = kept[i].key && kept[i].value ? kept : NULL;
+        kept[i].key = strdup(drawn->items[i].key); /* the list's end is the first without a key */
+        kept[i].value = kept[i].key ? strdup(drawn->items[i].value) : NULL;
+        kept = kept[i].value ? kept : NULL;
     }
     return kept ? ASDIC_OK : asdic_fail_memory(b->ctx, "what was drawn");
 }

@@ -570,7 +570,8 @@ static int set_up(void **state) {
                "sonar: {frequency_khz: 100, ping_rate_hz: 1, speckle: rayleigh, "
                "receivers: [{name: a}]}\n"
                "mission: {waypoints: {points_m: [[0, 0, 10], [9, 0, 10]], speed_mps: 3}}\n"
-               "trial: {time_s: 3, ideal: {pd: 0.5}}\n");
+               "trial: {time_s: 3, ideal: {pd: 0.5}, draws: [{key: 'mission.waypoints.speed_mps', "
+               "uniform: [3, 4]}]}\n");
     write_text("track.yaml", "version: 1\nbottom: none\n"
                              "sonar: {frequency_khz: 100, receivers: [{name: a}]}\n"
                              "mission: {track: t.csv}\n");
