@@ -3,14 +3,16 @@
 #include "base/context.h"
 #include "base/try.h"
 #include "base/vec.h"
+#include "environment.h"
 #include "laws/keys.h"
 #include "texture.h"
 
 #include "../../kernels/water.h"
 
-/* Bins are counted in the slowest water that an environment can have, where a range holds fewest: a scene
- * that is within the limit in its own water is then within it here. */
-#define SLOWEST_MPS 1300.0
+#define LEAST_LENGTH_M 1e-4
+/* Below a hundredth of the shortest wavelength. An element may be as short as its array's spacing. */
+#define LEAST_SPACING_M 1e-6
+#define MOST_SPACING_WL 10.0
 
 asdic_sonar asdic_sonar_default(void) {
     return (asdic_sonar){
@@ -50,20 +52,22 @@ static asdic_status check_fields(asdic_context *ctx, const char *where, const so
     return ASDIC_OK;
 }
 
-static asdic_status check_beam(asdic_context *ctx, const asdic_beam *beam) {
+static asdic_status check_beam(asdic_context *ctx, const asdic_beam *beam, double least_m) {
     const double turn = 2.0 * ASDIC_PI;
     const sonar_field fields[] = {
         {"pitch_rad", "rad", beam->pitch_rad, -turn, turn},
         {"yaw_rad", "rad", beam->yaw_rad, -turn, turn},
         {"roll_rad", "rad", beam->roll_rad, -turn, turn},
-        {"length_h_m", "m", beam->length_h_m, 1e-4, 100.0},
-        {"length_v_m", "m", beam->length_v_m, 1e-4, 100.0},
+        {"length_h_m", "m", beam->length_h_m, least_m, 100.0},
+        {"length_v_m", "m", beam->length_v_m, least_m, 100.0},
         {"sensitivity_db", "dB", beam->sensitivity_db, -300.0, 0.0},
     };
     return check_fields(ctx, beam->name, fields, sizeof fields / sizeof *fields);
 }
 
-static asdic_status check_array(asdic_context *ctx, const asdic_array *a) {
+static asdic_status check_array(asdic_context *ctx, const asdic_array *a, double frequency_hz) {
+    const sonar_field spacing = {"spacing_m", "m", a->spacing_m, LEAST_SPACING_M,
+                                 MOST_SPACING_WL * (ASDIC_SOUND_MOST_MPS / frequency_hz)};
     if (a->elements == 0) {
         return ASDIC_OK;
     }
@@ -71,11 +75,8 @@ static asdic_status check_array(asdic_context *ctx, const asdic_array *a) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "%zu elements: out of range [2, %d]",
                           a->elements, ASDIC_ARRAY_MAX_ELEMENTS);
     }
-    if (!(a->spacing_m > 0.0) || !(a->element.length_h_m > 0.0) || !(a->element.length_v_m > 0.0)) {
-        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
-                          "an array's spacing of %g m and elements of %g m x %g m: must be above 0",
-                          a->spacing_m, a->element.length_h_m, a->element.length_v_m);
-    }
+    TRY(check_fields(ctx, "", &spacing, 1));
+    TRY(check_beam(ctx, &a->element, LEAST_SPACING_M));
     if ((unsigned)a->shading > ASDIC_SHADING_CHEBYSHEV) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "unknown shading %d", (int)a->shading);
     }
@@ -105,7 +106,8 @@ asdic_status asdic_sonar_check(asdic_context *ctx, const asdic_sonar *sonar) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "sonar: 'max_range_m' = %g is not above 0 m",
                           sonar->max_range_m);
     }
-    size_t bins = asdic_sonar_bin_count(sonar, SLOWEST_MPS);
+    /* In the slowest water, where a range holds fewest: what is within the limit in its own water is within it here. */
+    size_t bins = asdic_sonar_bin_count(sonar, ASDIC_SOUND_LEAST_MPS);
     if (bins > ASDIC_SONAR_MAX_BINS) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
                           "sonar: %zu bins, more than %d; lengthen bin_length_m, lower max_range_m "
@@ -131,13 +133,13 @@ asdic_status asdic_sonar_check(asdic_context *ctx, const asdic_sonar *sonar) {
     if (sonar->speckle == ASDIC_SPECKLE_K) {
         TRY(check_fields(ctx, "", &shape, 1));
     }
-    TRY(check_array(ctx, &sonar->array));
-    TRY(check_beam(ctx, &sonar->transmitter));
+    TRY(check_array(ctx, &sonar->array, sonar->frequency_hz));
+    TRY(check_beam(ctx, &sonar->transmitter, LEAST_LENGTH_M));
     if (!sonar->receivers) {
         return asdic_fail_null(ctx, __func__);
     }
     for (size_t i = 0; i < sonar->receiver_count; i++) {
-        TRY(check_beam(ctx, &sonar->receivers[i]));
+        TRY(check_beam(ctx, &sonar->receivers[i], LEAST_LENGTH_M));
     }
     return ASDIC_OK;
 }

@@ -242,7 +242,10 @@ static void an_array_has_its_limits(void **state) {
                               .shading = ASDIC_SHADING_CHEBYSHEV,
                               .side_lobe_db = -100.0,
                               .element = {.length_h_m = 0.01, .length_v_m = 0.01}};
-    asdic_array bad[8] = {good, good, good, good, good, good, good, good};
+    asdic_array bad[13];
+    for (int i = 0; i < 13; i++) {
+        bad[i] = good;
+    }
     bad[0].elements = 1;
     bad[1].elements = ASDIC_ARRAY_MAX_ELEMENTS + 1;
     bad[2].spacing_m = 0.0;
@@ -251,6 +254,11 @@ static void an_array_has_its_limits(void **state) {
     bad[5].shading = (asdic_shading)99;
     bad[6].side_lobe_db = -9.9;
     bad[7].side_lobe_db = NAN;
+    bad[8].spacing_m = INFINITY;
+    bad[9].spacing_m = 0.171; /* ten wavelengths are at most 0.17 m */
+    bad[10].element.yaw_rad = INFINITY;
+    bad[11].element.pitch_rad = NAN;
+    bad[12].element.length_v_m = INFINITY;
     sonar.receivers = &beam;
     sonar.receiver_count = 1;
     sonar.array = good;
@@ -258,7 +266,9 @@ static void an_array_has_its_limits(void **state) {
     sonar.array.shading = ASDIC_SHADING_HANN; /* which has no level of its own */
     sonar.array.side_lobe_db = 0.0;
     assert_ok(ctx, asdic_sonar_check(ctx, &sonar));
-    for (int i = 0; i < 8; i++) {
+    sonar.array.spacing_m = 0.17;
+    assert_ok(ctx, asdic_sonar_check(ctx, &sonar));
+    for (int i = 0; i < 13; i++) {
         sonar.array = bad[i];
         assert_status(ctx, asdic_sonar_check(ctx, &sonar), ASDIC_ERROR_ARGUMENT);
     }
