@@ -158,6 +158,30 @@ asdic_status asdic_material_check_use(asdic_context *ctx, const asdic_material *
                       material->law->name, uses[u].words, names);
 }
 
+/* The same limits as in a file. */
+static asdic_status check_rows(asdic_context *ctx, const asdic_material *material) {
+    const char *name = material->law->name;
+    const asdic_columns *table = &material->law->table;
+    double before = -INFINITY;
+    for (size_t i = 0; i < material->row_count; i++) {
+        const double *row = material->rows + i * table->count;
+        for (size_t c = 0; c < table->count; c++) {
+            const asdic_column *column = &table->items[c];
+            if (!(row[c] >= column->min && row[c] <= column->max)) {
+                return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                                  "%s: row %zu: '%s' = %g is out of range [%g, %g]", name, i + 1,
+                                  column->name, row[c], column->min, column->max);
+            }
+        }
+        if (!(row[0] > before)) {
+            return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "%s: row %zu: '%s' = %g is not %s %g",
+                              name, i + 1, table->items[0].name, row[0], table->rises, before);
+        }
+        before = row[0];
+    }
+    return ASDIC_OK;
+}
+
 asdic_status asdic_material_check(asdic_context *ctx, const asdic_material *material) {
     if (!material || !material->law) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "a material without a scattering law");
@@ -172,9 +196,12 @@ asdic_status asdic_material_check(asdic_context *ctx, const asdic_material *mate
                               key->name, value, key->min, key->max, key->unit ? " " : "",
                               key->unit ? key->unit : "");
         }
-        if (key->columns && material->row_count == 0) {
+        if (key->columns && (!material->rows || material->row_count == 0)) {
             return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "%s: no rows of %s", material->law->name,
                               key->columns);
+        }
+        if (key->columns) {
+            TRY(check_rows(ctx, material));
         }
     }
     return ASDIC_OK;

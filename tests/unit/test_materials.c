@@ -264,6 +264,21 @@ static void a_material_is_checked(void **state) {
     assert_contains(asdic_context_error(ctx), "curve: no rows of grazing_deg,strength_db");
     m = curve(rows, 1);
     assert_ok(ctx, asdic_material_check(ctx, &m));
+    static const struct {
+        double rows[4];
+        const char *said;
+    } wrong[] = {{{NAN, -30, 90, -10}, "row 1: 'grazing_deg' = nan is out of range [0, 90]"},
+                 {{5, -30, 90.1, -10}, "row 2: 'grazing_deg' = 90.1 is out of range [0, 90]"},
+                 {{5, -30, 90, INFINITY}, "row 2: 'strength_db' = inf is out of range [-200, 60]"},
+                 {{90, -10, 5, -30}, "row 2: 'grazing_deg' = 5 is not more than 90"},
+                 {{5, -10, 5, -30}, "row 2: 'grazing_deg' = 5 is not more than 5"}};
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        m = curve(wrong[i].rows, 2);
+        assert_status(ctx, asdic_material_check(ctx, &m), ASDIC_ERROR_ARGUMENT);
+        assert_contains(asdic_context_error(ctx), wrong[i].said);
+    }
+    m = curve(NULL, 1);
+    assert_status(ctx, asdic_material_check(ctx, &m), ASDIC_ERROR_ARGUMENT);
     assert_status(ctx, asdic_material_check(ctx, &none), ASDIC_ERROR_ARGUMENT);
     assert_status(ctx, asdic_material_check(ctx, NULL), ASDIC_ERROR_ARGUMENT);
 }

@@ -73,8 +73,8 @@ ASDIC_API bool asdic_material_equal(const asdic_material *a, const asdic_materia
 /* Writes what it is in a few words: "sand", "impedance_mrayl 45", "curve". */
 ASDIC_API void asdic_material_describe(const asdic_material *material, char *text, size_t size);
 
-/* ASDIC_ERROR_ARGUMENT names the key whose value is out of range or whose rows are missing. A
- * number that is not given is none of these: it has the fallback. */
+/* ASDIC_ERROR_ARGUMENT names the key whose value is out of range or whose rows are missing, out of
+ * range or out of order. A number that is not given is none of these: it has the fallback. */
 ASDIC_API asdic_status asdic_material_check(asdic_context *ctx, const asdic_material *material);
 
 #ifdef __cplusplus
