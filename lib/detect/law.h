@@ -59,6 +59,9 @@ double asdic_scan_cfar_pfa(asdic_scan *scan, const double *intensity_lin, size_t
 /* As asdic_estimate_of, with a confidence of LEVEL. */
 asdic_estimate asdic_estimate_within(uint64_t events, uint64_t trials, double level);
 
+/* The z below which a normal variate lies with probability 0.5 + LEVEL / 2. */
+double asdic_normal_bound(double level);
+
 bool asdic_target_is_known(asdic_target target);
 
 /* TARGET_... of kernels/detection.h. */

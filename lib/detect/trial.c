@@ -6,6 +6,7 @@
 #include "base/vec.h"
 #include "sim/variates.h"
 
+#include "../../kernels/detection.h"
 #include "../../kernels/random.h"
 
 #include <math.h>
@@ -13,26 +14,25 @@
 /* 99 % of a normal variate lie within so many standard deviations. */
 #define NORMAL_99 2.5758293035489004
 
+/* As many events, and trials without one, are normally distributed to all digits that matter. */
+#define MANY 1e9
+
 /* Events of K in N trials are rarer than TAIL at P: P(X <= k) or P(X >= k) of a binomial variate,
  * by the sum from the largest term on, relative to which the rest of the terms is below EPSILON. */
 static double binomial_tail(double k, double n, double p, bool upper) {
-    double step = upper ? 1.0 : -1.0;
-    int sign;
-    double log_term = lgamma_r(n + 1.0, &sign) - lgamma_r(k + 1.0, &sign) -
-                      lgamma_r(n - k + 1.0, &sign) + (k > 0.0 ? k * log(p) : 0.0) +
-                      (n > k ? (n - k) * log1p(-p) : 0.0);
-    double term = 1.0, sum = 0.0;
+    double step = upper ? 1.0 : -1.0, term = 1.0, sum = 0.0;
     for (double j = k; j >= 0.0 && j <= n && term > 1e-15 * sum; j += step) {
         sum += term;
         term *= upper ? (n - j) * p / ((j + 1.0) * (1.0 - p)) : j * (1.0 - p) / ((n - j + 1.0) * p);
     }
-    return exp(log_term) * sum;
+    /* Of n events of a Poisson process, which has no factorials of n to cancel, k are of the one kind. */
+    return sum * poisson_pmf(k, n * p) * poisson_pmf(n - k, n * (1.0 - p)) / poisson_pmf(n, n);
 }
 
 /* The probability at which the tail beyond K is TAIL. */
 static double bound(double k, double n, bool upper, double tail) {
     double low = upper ? 0.0 : k / n, high = upper ? k / n : 1.0;
-    for (int i = 0; i < 60; i++) {
+    while (high - low > 1e-15 * high) {
         double middle = 0.5 * (low + high);
         bool is_rare = binomial_tail(k, n, middle, upper) < tail;
         if (is_rare == upper) {
@@ -40,6 +40,15 @@ static double bound(double k, double n, bool upper, double tail) {
         } else {
             high = middle;
         }
+    }
+    return 0.5 * (low + high);
+}
+
+double asdic_normal_bound(double level) {
+    double low = 0.0, high = 40.0;
+    for (int i = 0; i < 80; i++) {
+        double middle = 0.5 * (low + high);
+        *(erfc(middle * M_SQRT1_2) > 1.0 - level ? &low : &high) = middle;
     }
     return 0.5 * (low + high);
 }
@@ -52,6 +61,10 @@ asdic_estimate asdic_estimate_within(uint64_t events, uint64_t trials, double le
     double k = (double)events, n = (double)trials, tail = 0.5 * (1.0 - level);
     if (trials == 0 || events > trials) {
         return (asdic_estimate){NAN, 0.0, 1.0};
+    }
+    if (fmin(k, n - k) > MANY) {
+        double half = asdic_normal_bound(level) * sqrt(k / n * (1.0 - k / n) / n);
+        return (asdic_estimate){k / n, k / n - half, k / n + half};
     }
     return (asdic_estimate){.value = k / n,
                             .low = events == 0 ? 0.0 : bound(k, n, true, tail),

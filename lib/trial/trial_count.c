@@ -16,16 +16,6 @@ asdic_trial_figure asdic_trial_share(uint64_t events, uint64_t trials, double le
     return (asdic_trial_figure){e.value, e.low, e.high};
 }
 
-/* The z below which a normal variate lies with probability 0.5 + LEVEL / 2. */
-static double normal_bound(double level) {
-    double low = 0.0, high = 40.0;
-    for (int i = 0; i < 80; i++) {
-        double middle = 0.5 * (low + high);
-        *(erfc(middle * M_SQRT1_2) > 1.0 - level ? &low : &high) = middle;
-    }
-    return 0.5 * (low + high);
-}
-
 /* Tango's score of the difference D: how many standard errors the pairs are off, where B and C of N
  * are discordant. The variance is that under D, with the probability q of the second kind at its
  * likeliest: 2 n q^2 + (2 n d - b - c - d (b - c) ... ) as there, (6) to (10). */
@@ -52,7 +42,7 @@ asdic_trial_figure asdic_trial_paired(uint64_t first, uint64_t second, uint64_t 
     if (pairs == 0 || first > pairs || second > pairs - first) {
         return (asdic_trial_figure){NAN, -1.0, 1.0};
     }
-    double b = (double)first, c = (double)second, n = (double)pairs, z = normal_bound(level);
+    double b = (double)first, c = (double)second, n = (double)pairs, z = asdic_normal_bound(level);
     return (asdic_trial_figure){(b - c) / n, solve(b, c, n, z), solve(b, c, n, -z)};
 }
 

@@ -173,6 +173,16 @@ static void bounds_of_counts(void **state) {
     assert_close(e.high - e.low, 2.0 * 2.5758293 * sqrt(0.21 / 1e6), 5e-6);
     assert_close(e.value, 0.3, 1e-15);
     assert_true(isnan(asdic_estimate_of(0, 0).value));
+    /* Of ever more trials the law of ten events is Poisson's: 3.7169 and 21.398 events (Garwood, Biometrika 28, 437
+     * (1936)); of as many others the law of half of them a normal one. */
+    for (double n = 1e9; n < 1e19; n *= 10.0) {
+        e = asdic_estimate_of(10, (uint64_t)n);
+        assert_close(e.low * n, 3.7169, 1e-4);
+        assert_close(e.high * n, 21.398, 1e-3);
+        e = asdic_estimate_of((uint64_t)n / 2, (uint64_t)n);
+        assert_close_relative(e.high - 0.5, 2.5758293 * sqrt(0.25 / n), 2e-5);
+        assert_close_relative(0.5 - e.low, 2.5758293 * sqrt(0.25 / n), 2e-5);
+    }
 }
 
 /* One seed, two targets: what differs is the target. */
