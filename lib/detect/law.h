@@ -8,6 +8,8 @@
 
 /* Above this shape, K speckle counts as Rayleigh speckle. */
 #define ASDIC_SHAPE_MAX 1000.0
+/* Intensities re the mean are at most this: K speckle's textures lie the closer, the stronger they are. */
+#define ASDIC_DETECT_MOST 1e12
 
 /* Everything in the range that detect.h states. */
 bool asdic_background_is_good(const asdic_background *background);

@@ -30,8 +30,6 @@
 /* Textures are cut where nothing but the target is heard any more. */
 #define LEAST_MEAN 1e-8
 #define STEADY (double)INFINITY /* order of a target that does not fluctuate */
-/* Textures lie the closer, the stronger an intensity is re the mean: there would be no end of them. */
-#define MOST_INTENSITY 1e12
 
 static double log_gamma(double x) {
     int sign;
@@ -165,7 +163,7 @@ static double texture_step(const asdic_background *b, asdic_target target, doubl
         double apart = sqrt(x) - sqrt(m * snr[i]);
         most = fmax(most, apart * apart);
     }
-    most = fmin(most, m * MOST_INTENSITY);
+    most = fmin(most, m * ASDIC_DETECT_MOST);
     /* The root of shape (t - 1) = most / (share t) - m, of two forms that which subtracts no equals. */
     double clutter = most / fmax(1.0 - b->noise_share, LEAST_MEAN), half = 0.5 * (b->shape - m);
     double root = sqrt(half * half + b->shape * clutter);
@@ -177,7 +175,7 @@ static double texture_step(const asdic_background *b, asdic_target target, doubl
 /* In K speckle: SNR[COUNT] to LLR[COUNT], at an intensity of X. */
 static void average_textures(const asdic_background *b, asdic_target target, double x,
                              const double *snr, size_t count, double *llr) {
-    x = fmin(x, (double)b->looks * MOST_INTENSITY);
+    x = fmin(x, (double)b->looks * ASDIC_DETECT_MOST);
     double step = texture_step(b, target, x, snr, count);
     const log_sum nothing = {-INFINITY, 0.0, 0.0};
     averages sums = {.none = nothing};

@@ -3,6 +3,7 @@
 #include "base/context.h"
 #include "base/try.h"
 
+#include <float.h>
 #include <math.h>
 
 /* Intensities re the mean between which a threshold is looked for, and how finely the likelihood
@@ -55,7 +56,7 @@ asdic_status asdic_detect_threshold_llr(asdic_context *ctx, const asdic_backgrou
     }
     /* Neither target nor clutter is more than 1000 times its mean, but for negligible shares. */
     double most = 1e3 * (b->mean_lin * fmax(1.0, 1.0 / b->shape) + target_lin);
-    double low = 0.0, high = 1e-6 * b->mean_lin;
+    double low = 0.0, high = fmax(1e-6 * b->mean_lin, DBL_MIN); /* which grows by steps */
     if (asdic_detect_llr(b, target, target_lin, 0.0) >= llr) {
         *threshold_lin = 0.0;
         return ASDIC_OK;

@@ -158,6 +158,14 @@ static void endless_numbers_come_to_an_end(void **state) {
         assert_close(asdic_detect_llr(&k, ASDIC_TARGET_SWERLING2, 8.0, MEAN * more), loud, 0.0);
     }
     assert_close(asdic_detect_llr(&k, ASDIC_TARGET_SWERLING2, 8.0, INFINITY), loud, 0.0);
+    /* Beside such a target the background counts for nothing: Swerling I is exponential. */
+    const asdic_background spiky = {MEAN, 1, 0.05, 0.0};
+    for (double more = 1e13; more < 1e30; more *= 1e6) {
+        assert_close(asdic_detect_pfa(&spiky, MEAN * more), 0.0, 0.0);
+        assert_close(
+            asdic_detect_pd(&spiky, ASDIC_TARGET_SWERLING1, 2.0 * MEAN * more, MEAN * more),
+            exp(-0.5), 1e-6);
+    }
 }
 
 /* ln of the sum over textures e^v of clutter of MEAN e^v, noise and a target that changes from look to look, by
@@ -251,6 +259,10 @@ static void thresholds_invert_the_likelihood(void **state) {
     }
     assert_ok(ctx, asdic_detect_threshold_llr(ctx, &one_look, target, 8.0, -1.7, &t));
     assert_close(t, 0.0, 0.0);
+    /* Numbers so small that a millionth of them is none. */
+    const asdic_background faint = {1e-318, 1, INFINITY, 0.0};
+    assert_ok(ctx, asdic_detect_threshold_llr(ctx, &faint, target, 1e-310, 3.0, &t));
+    assert_close_relative(t, 1e-318 * (3.0 + log1p(1e8)), 1e-5);
     /* Of 1000 times clutter and target, x = 5000, which is as good as never, none is reached. */
     assert_ok(ctx, asdic_detect_threshold_llr(ctx, &one_look, target, 8.0, 1e5, &t));
     assert_true(isinf(t));
