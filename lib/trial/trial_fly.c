@@ -291,10 +291,12 @@ static asdic_status describe(asdic_context *ctx, const asdic_trial_options *o, t
 }
 
 static asdic_status check(asdic_context *ctx, asdic_trial_options *o) {
-    if (!o->scene || !o->folder || o->runs == 0 || o->variants.count == 0 ||
+    bool has_values = o->variants.key ? o->variants.values != NULL : o->variants.count == 1;
+    if (!o->scene || !o->folder || o->runs == 0 || !has_values || o->variants.count == 0 ||
         o->variants.count > ASDIC_TRIAL_MOST_VARIANTS) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
-                          "a trial needs a scene, a folder, a run and 1 to %d variants",
+                          "a trial needs a scene, a folder, a run and 1 to %d variants, of a key "
+                          "and its values where they are several",
                           ASDIC_TRIAL_MOST_VARIANTS);
     }
     if (o->first >= o->runs) {

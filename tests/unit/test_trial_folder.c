@@ -745,6 +745,11 @@ static void a_trial_is_kept_or_gone_on_with(void **state) {
     options.scene = scene;
     options.folder = kept;
     options.runs = 3;
+    options.variants.count = 2; /* of no key */
+    assert_status(ctx, asdic_trial_fly(ctx, NULL, 0, &options), ASDIC_ERROR_ARGUMENT);
+    options.variants = (asdic_trial_variants){.key = "seed", .count = 1};
+    assert_status(ctx, asdic_trial_fly(ctx, NULL, 0, &options), ASDIC_ERROR_ARGUMENT);
+    options.variants.key = NULL;
     assert_ok(ctx, asdic_trial_fly(ctx, NULL, 0, &options));
     snprintf(first, sizeof first, "%s", kept_rows());
     assert_status(ctx, asdic_trial_fly(ctx, NULL, 0, &options), ASDIC_ERROR_EXISTS);
