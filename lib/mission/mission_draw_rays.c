@@ -127,6 +127,10 @@ asdic_status asdic_mission_draw_rays(asdic_context *ctx, const asdic_mission *mi
     if (!mission || !path) {
         return asdic_fail_null(ctx, __func__);
     }
+    if (index >= asdic_mission_ping_count(mission)) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "ping %zu of a mission of %zu", index,
+                          asdic_mission_ping_count(mission));
+    }
     drawing *d = calloc(1, sizeof *d);
     char *name = asdic_scene_name(mission->path), title[512];
     asdic_status status = ASDIC_OK;

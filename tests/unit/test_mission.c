@@ -827,6 +827,9 @@ static void drawn_rays_obey_snell(void **state) {
     ends[0] = ends[1] = ends[2] = 0;
     assert_int_equal(asdic_mission_draw_rays(w->ctx, m, 0, "rays.png"), ASDIC_OK);
     assert_true(ends[0] == 10 && ends[1] == 9 && ends[2] == 22);
+    assert_status(w->ctx,
+                  asdic_mission_draw_rays(w->ctx, m, asdic_mission_ping_count(m), "rays.png"),
+                  ASDIC_ERROR_ARGUMENT);
     asdic_mission_destroy(&m);
 }
 
