@@ -53,7 +53,7 @@ asdic_status asdic_occupancy_create(asdic_context *ctx, asdic_vec3 min_m, asdic_
     if (!(rows >= 1.0 && columns >= 1.0 && rows * columns <= (double)MOST_CELLS)) {
         return asdic_fail(
             ctx, ASDIC_ERROR_ARGUMENT,
-            "a map of %.0f x %.0f cells of %g m: at most %zu cells; choose larger ones", rows,
+            "a map of %.9g x %.9g cells of %g m: at most %zu cells; choose larger ones", rows,
             columns, cell_m, MOST_CELLS);
     }
     asdic_occupancy *map = calloc(1, sizeof *map);

@@ -460,7 +460,10 @@ static void maps_have_limits(void **state) {
     asdic_vec3 low = {-1.0, -20.0, 0.0}, high = {60.0, 20.0, 0.0};
     assert_status(ctx, asdic_occupancy_create(ctx, low, high, 1e-4, 0.01, 10.0, &map),
                   ASDIC_ERROR_ARGUMENT);
-    assert_contains(asdic_context_error(ctx), "larger");
+    assert_contains(asdic_context_error(ctx), "a map of 610000 x 400000 cells of 0.0001 m");
+    assert_status(ctx, asdic_occupancy_create(ctx, low, high, 1e-300, 0.01, 10.0, &map),
+                  ASDIC_ERROR_ARGUMENT);
+    assert_contains(asdic_context_error(ctx), "a map of 6.1e+301 x 4e+301 cells of 1e-300 m");
 }
 
 /* A look from nowhere, at nothing or through no water is none, and leaves the map as it was. */

@@ -284,6 +284,7 @@ static void interrupted_before_it_replaces(void **state) {
     asdic_context_interrupt(f.ctx);
     asdic_run_options force = {.count = SIZE_MAX, .force = true};
     assert_int_equal(run(&f, 1, force, "kept"), ASDIC_ERROR_INTERRUPTED);
+    assert_non_null(strstr(asdic_context_error(f.ctx), "/kept' was changed"));
     assert_state("kept", "complete", PINGS);
     assert_same_files("reference", "kept");
     end(&f);

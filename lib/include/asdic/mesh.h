@@ -34,7 +34,8 @@ ASDIC_API asdic_status asdic_mesh_load(asdic_context *ctx, const char *path, dou
 ASDIC_API asdic_status asdic_mesh_load_grid(asdic_context *ctx, const char *path,
                                             bool values_are_depth, asdic_mesh **out);
 
-/* VERTICES_M holds 3 * VERTEX_COUNT coordinates, INDICES 3 per triangle; both are copied. */
+/* VERTICES_M holds 3 * VERTEX_COUNT coordinates, INDICES 3 per triangle; both are copied.
+ * ASDIC_ERROR_INPUT for what no file may hold: a corner that is none or not finite, or no facet. */
 ASDIC_API asdic_status asdic_mesh_from_triangles(asdic_context *ctx, const double *vertices_m,
                                                  size_t vertex_count, const uint32_t *indices,
                                                  size_t triangle_count, asdic_mesh **out);

@@ -204,8 +204,8 @@ static asdic_status check_foreign(asdic_context *ctx, const char *folder) {
 asdic_status asdic_folder_prepare(asdic_context *ctx, const char *folder, bool force,
                                   bool can_resume) {
     if (force && asdic_context_interrupted(ctx)) { /* the run would end before it began */
-        return asdic_fail(ctx, ASDIC_ERROR_INTERRUPTED,
-                          "interrupted before what '%s' holds was replaced", folder);
+        return asdic_fail(ctx, ASDIC_ERROR_INTERRUPTED, "interrupted before '%s' was changed",
+                          folder);
     }
     if (force) { /* what is left of an earlier run, its terrain perhaps, must not be this one's */
         return clear(ctx, folder);
