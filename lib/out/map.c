@@ -53,7 +53,8 @@ asdic_status asdic_picture_map(asdic_context *ctx, const char *path, const asdic
     if (!path || !map || !options) {
         return asdic_fail_null(ctx, __func__);
     }
-    if (!map->values || map->rows == 0 || map->columns == 0 || !(map->cell_m > 0.0) ||
+    if (!map->values || map->rows == 0 || map->columns == 0 ||
+        map->columns > SIZE_MAX / sizeof *map->values / map->rows || !(map->cell_m > 0.0) ||
         !isfinite(map->cell_m) || !isfinite(map->north_m) || !isfinite(map->east_m)) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
                           "nothing to draw: a map of %zu x %zu cells of %g m from (%g, %g) m on",

@@ -10,8 +10,8 @@ asdic_status asdic_polar_init(asdic_context *ctx, const asdic_sweep *sweep, doub
                               size_t bins, asdic_polar *out) {
     size_t columns = sweep->directions + (sweep->is_circle ? 1 : 0);
     *out = (asdic_polar){.sweep = *sweep, .columns = columns, .bins = bins};
-    out->levels_db = malloc(columns * bins * sizeof *out->levels_db);
-    out->bearing_rad = malloc(columns * sizeof *out->bearing_rad);
+    out->levels_db = calloc(columns, bins * sizeof *out->levels_db);
+    out->bearing_rad = calloc(columns, sizeof *out->bearing_rad);
     if (!out->levels_db || !out->bearing_rad) {
         return asdic_fail_memory(ctx, "the picture of a scan");
     }

@@ -12,7 +12,7 @@
 
 asdic_status asdic_raster_init(asdic_context *ctx, size_t width, size_t height, asdic_raster *out) {
     *out = (asdic_raster){.width = width, .height = height};
-    out->rgb = calloc(width * height, 3);
+    out->rgb = width <= UINT32_MAX ? calloc(height, 3 * width) : NULL; /* no size overflows */
     return out->rgb ? ASDIC_OK : asdic_fail_memory(ctx, "a picture");
 }
 

@@ -140,9 +140,12 @@ asdic_status asdic_ros_create(asdic_context *ctx, const asdic_ros_about *about, 
         !about->world_frame || !about->vehicle_frame || !about->sonar_frame) {
         return asdic_fail_null(ctx, __func__);
     }
-    if (about->sonar->receiver_count == 0 || about->bins == 0) {
-        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "messages of %zu beams and %zu bins",
-                          about->sonar->receiver_count, about->bins);
+    size_t beams = about->sonar->receiver_count, bins = about->bins;
+    if (beams == 0 || beams > ASDIC_SONAR_MAX_RECEIVERS || bins == 0 || bins > UINT32_MAX ||
+        about->sweep.directions > UINT32_MAX) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                          "messages of %zu beams and %zu bins in %zu directions", beams, bins,
+                          about->sweep.directions);
     }
     *out = calloc(1, sizeof **out);
     if (!*out) {

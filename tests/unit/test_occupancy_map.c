@@ -473,8 +473,8 @@ static void looks_have_limits(void **state) {
     map_begin(&r, 1);
     map_look(&r);
     float before = r.map->log_odds[100];
-    asdic_look good = look_of(&r), bad[6];
-    for (int i = 0; i < 6; i++) {
+    asdic_look good = look_of(&r), bad[8];
+    for (int i = 0; i < 8; i++) {
         bad[i] = good;
     }
     bad[0].sound_speed_mps = 0.0;
@@ -483,7 +483,9 @@ static void looks_have_limits(void **state) {
     bad[3].bins = 0;
     bad[4].snr_db = NAN;
     bad[5].depth_m = NAN;
-    for (int i = 0; i < 6; i++) {
+    bad[6].sound_speed_mps = 1e-300;
+    bad[7].sound_speed_mps = INFINITY;
+    for (int i = 0; i < 8; i++) {
         assert_status(ctx, asdic_occupancy_add(ctx, r.map, &bad[i]), ASDIC_ERROR_ARGUMENT);
         assert_memory_equal(&r.map->log_odds[100], &before, sizeof before);
     }

@@ -365,6 +365,35 @@ static void refusals_are_whole_sentences(void **state) {
     }
 }
 
+/* Sizes whose product is none, or next to none, in 64 bits. */
+static void endless_sizes_are_refused(void **state) {
+    (void)state;
+    const float value = 0.0f;
+    const call c = good();
+    const asdic_waterfall rows = {
+        .levels_db = &value, .pings = (size_t)1 << 63, .bins = 2, .bin_length_m = 1.0};
+    const asdic_map map = {.values = &value, .rows = SIZE_MAX, .columns = 1, .cell_m = 1.0};
+    const size_t sizes[][2] = {{(size_t)1 << 62, 0}, {4, (size_t)1 << 61}, {4, SIZE_MAX}};
+    asdic_picture_options options = asdic_picture_options_default();
+    options.db_low = 0.0;
+    options.db_high = 1.0;
+    assert_status(ctx, asdic_picture_raster(ctx, "never.png", &rows, &options), ASDIC_ERROR_MEMORY);
+    assert_status(ctx, asdic_picture_map(ctx, "never.png", &map, &options), ASDIC_ERROR_ARGUMENT);
+    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+        asdic_ros_about about = asdic_ros_about_default();
+        asdic_sonar sonar = c.sonar;
+        asdic_ros *ros = NULL;
+        sonar.receivers = &c.receiver;
+        sonar.receiver_count = 1;
+        about.sonar = &sonar;
+        about.sound_speed_mps = 1500.0;
+        about.bins = sizes[i][0];
+        about.sweep.directions = sizes[i][1];
+        assert_status(ctx, asdic_ros_create(ctx, &about, &ros), ASDIC_ERROR_ARGUMENT);
+        assert_null(ros);
+    }
+}
+
 static int set_up(void **state) {
     (void)state;
     return asdic_context_create(&ctx) == ASDIC_OK ? 0 : -1;
@@ -381,6 +410,7 @@ int main(void) {
         cmocka_unit_test(numbers_are_taken_at_their_limits),
         cmocka_unit_test(what_is_no_number_is_refused),
         cmocka_unit_test(refusals_are_whole_sentences),
+        cmocka_unit_test(endless_sizes_are_refused),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }
