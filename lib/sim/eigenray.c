@@ -153,8 +153,7 @@ static asdic_eigenray look_along(search *s, asdic_eigenray before, double begin_
 /* The elevations of rays that graze a plane, level ones, and the ends. */
 static size_t find_edges(const search *s, double *edges) {
     const asdic_layers *layers = s->layers;
-    double at =
-        asdic_layer_speed_mps(&layers->layer[asdic_layers_find(layers, s->from_m)], s->from_m);
+    double at = asdic_layers_speed_mps(layers, s->from_m);
     size_t count = 0;
     edges[count++] = -0.5 * ASDIC_PI;
     edges[count++] = 0.0;

@@ -19,6 +19,10 @@ size_t asdic_layers_find(const asdic_layers *layers, double depth_m) {
     return at;
 }
 
+double asdic_layers_speed_mps(const asdic_layers *layers, double depth_m) {
+    return asdic_layer_speed_mps(&layers->layer[asdic_layers_find(layers, depth_m)], depth_m);
+}
+
 /* Appends a layer below the others, down to BOTTOM_M. */
 static void add(asdic_layers *out, double bottom_m, double origin_m, double speed_mps,
                 double gradient_per_s) {
@@ -131,7 +135,7 @@ double asdic_environment_sound_speed_mps(const asdic_environment *env, double de
         asdic_layers all = layers;
         fit_layer(&all, env->layer_from_m, env->layer_to_m, &layers);
     }
-    return asdic_layer_speed_mps(&layers.layer[asdic_layers_find(&layers, depth_m)], depth_m);
+    return asdic_layers_speed_mps(&layers, depth_m);
 }
 
 void asdic_layers_between(const asdic_environment *env, const asdic_flat_scene *flat,

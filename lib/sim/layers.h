@@ -42,5 +42,6 @@ void asdic_layers_mirror(const asdic_layers *water, double plane_m, bool below, 
 size_t asdic_layers_find(const asdic_layers *layers, double depth_m);
 
 double asdic_layer_speed_mps(const asdic_layer *layer, double depth_m);
+double asdic_layers_speed_mps(const asdic_layers *layers, double depth_m);
 
 #endif
