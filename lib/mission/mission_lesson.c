@@ -20,7 +20,8 @@ static bool go_on(course *c, size_t ping) {
     bool is_due = asdic_lesson_is_due(&c->lesson, &pose, ping);
     if (is_due) {
         c->at = ping;
-        c->lesson = asdic_lesson_at(c->mission->scene, &c->reach, &pose);
+        c->lesson =
+            asdic_lesson_at(c->mission->scene, &c->mission->settings.environment, &c->reach, &pose);
     }
     return is_due;
 }

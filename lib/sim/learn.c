@@ -351,7 +351,7 @@ asdic_status asdic_simulator_learn(asdic_simulator *sim, const asdic_pose *pose,
     TRY(asdic_simulator_center(sim, pose->position_m));
     asdic_simulator_forget(sim);
     asdic_lesson_reach reach = asdic_lesson_reach_of(&sim->setup.sonar);
-    sim->learnt.lesson = asdic_lesson_at(sim->setup.scene, &reach, pose);
+    sim->learnt.lesson = asdic_lesson_at(sim->setup.scene, &sim->setup.env, &reach, pose);
     if (adapts) {
         TRY(learn_table(sim, pose, index));
     }

@@ -3,6 +3,8 @@
  * nulls to elevations that have few rays. Of many receivers the stated error, too, is that of where it was learnt. What a
  * pitch of 7 degrees did to a fan of 48 beams 17 degrees high: errors of 0.22 dB grew to 1.5, with 0.24 stated; 1
  * degree did nothing. Few receivers state what their own rays show: 3 beams 11 degrees high stood 4 degrees.
+ * In layers a climb bends rays otherwise: of a beam that rose by a metre out of a layer of 15 1/s, echoes 59 m off were 23
+ * dB too low and stated 0.1. The farthest rays may turn by no more than they do in straight water that is climbed through.
  * Over terrain what is far and near changes as the vehicle goes on: 6 m above it the rays of 96 beams erred by 2.3 dB
  * after 4 m where newly learnt ones would by 2.1, after 8 m by 3.1 and 1.9; of 8 beams by 1.4 and 1.0 after 12 m.
  * Past objects a yaw brings others into the beams, as the head of a scanning sonar does from ping to ping: a beam 2.5
@@ -14,6 +16,7 @@
 #include "aim.h"
 #include "base/vec.h"
 #include "beam_fan.h"
+#include "layers.h"
 
 /* These parts of a beam's height, and of the way to the nearer of bottom and surface, change little: of many
  * receivers, of few. */
@@ -78,11 +81,12 @@ asdic_lesson_reach asdic_lesson_reach_of(const asdic_sonar *sonar) {
     double spread = asin(fmin(highest, 1.0)) - asin(fmax(lowest, -1.0));
     return (asdic_lesson_reach){fmin(height_rad(&transmitter), spread + least_height),
                                 fmin(width_rad(&transmitter), right - left + least_width),
+                                asdic_sonar_max_range_m(sonar, ASDIC_NOMINAL_MPS),
                                 asdic_beam_fan_is_wanted(sonar)};
 }
 
-asdic_lesson asdic_lesson_at(const asdic_scene *scene, const asdic_lesson_reach *reach,
-                             const asdic_pose *pose) {
+asdic_lesson asdic_lesson_at(const asdic_scene *scene, const asdic_environment *env,
+                             const asdic_lesson_reach *reach, const asdic_pose *pose) {
     bool many = reach->many;
     asdic_scene_info info = asdic_scene_get_info(scene);
     bool is_even = info.triangles == 0;
@@ -97,6 +101,8 @@ asdic_lesson asdic_lesson_at(const asdic_scene *scene, const asdic_lesson_reach 
         .climb_m = (many ? CLIMB_MANY : CLIMB_FEW) * fmax(boundary, NEAREST_M),
         .way_m = is_even ? INFINITY : (many ? WAY_MANY : WAY_FEW) * fmax(altitude_m, NEAREST_M),
         .is_even = is_even,
+        .env = env,
+        .range_m = reach->range_m,
     };
 }
 
@@ -114,13 +120,45 @@ asdic_lesson asdic_lesson_none(void) {
                           .is_even = true};
 }
 
+/* By how much a ray that crosses what is AWAY_M below the vehicle leaves it higher or lower, at most, than it did where
+ * LESSON was learnt: where the sound speed is c less than at the vehicle, c0, an elevation e becomes that of the square
+ * e^2 + 2 c / c0, and to come there within the range e is no less than AWAY_M over it. */
+static double turned_rad(const asdic_lesson *lesson, const asdic_layers *layers, double depth_m,
+                         double away_m) {
+    double then_m = lesson->pose.position_m.z, speed_mps = asdic_layers_speed_mps(layers, then_m);
+    double then = asdic_layers_speed_mps(layers, then_m + away_m) - speed_mps;
+    double now =
+        asdic_layers_speed_mps(layers, depth_m + away_m) - asdic_layers_speed_mps(layers, depth_m);
+    double change = fabs(now - then) / speed_mps;
+    return fmin(sqrt(2.0 * change), change * lesson->range_m / fabs(away_m));
+}
+
+/* How far the vehicle would have to climb through straight water to turn the farthest rays as layers do at DEPTH_M, which
+ * turn them most where one ends, seen from either depth. */
+static double bent_m(const asdic_lesson *lesson, double depth_m) {
+    double then_m = lesson->pose.position_m.z, most_rad = 0.0;
+    if (!lesson->env || depth_m == then_m) {
+        return 0.0;
+    }
+    asdic_layers layers;
+    asdic_layers_of(lesson->env, depth_m, &layers);
+    for (size_t i = 0; i + 1 < layers.count; i++) {
+        double end_m = layers.layer[i].bottom_m;
+        double now_rad = turned_rad(lesson, &layers, depth_m, end_m - depth_m);
+        double then_rad = turned_rad(lesson, &layers, depth_m, end_m - then_m);
+        most_rad = fmax(most_rad, fmax(now_rad, then_rad));
+    }
+    return most_rad * lesson->range_m;
+}
+
 static bool serves(const asdic_lesson *lesson, const asdic_pose *pose) {
     asdic_vec3 then = down_of(&lesson->pose), now = down_of(pose);
     double turn_rad = hypot(hypot(now.x - then.x, now.y - then.y), now.z - then.z);
     asdic_vec3 way_m = asdic_vec3_sub(pose->position_m, lesson->pose.position_m);
     double yaw_rad = remainder(pose->yaw_rad - lesson->pose.yaw_rad, 2.0 * ASDIC_PI);
     return turn_rad <= lesson->turn_rad && fabs(yaw_rad) <= lesson->yaw_rad &&
-           fabs(way_m.z) <= lesson->climb_m && hypot(way_m.x, way_m.y) <= lesson->way_m;
+           fabs(way_m.z) <= lesson->climb_m && hypot(way_m.x, way_m.y) <= lesson->way_m &&
+           bent_m(lesson, pose->position_m.z) <= lesson->climb_m;
 }
 
 bool asdic_lesson_is_due(const asdic_lesson *lesson, const asdic_pose *pose, uint64_t index) {

@@ -10,21 +10,25 @@ typedef struct asdic_lesson {
     asdic_pose pose; /* where it was learnt */
     double turn_rad; /* the vertical may have turned by so much since, seen from the vehicle */
     double yaw_rad;  /* the vehicle, or the sonar's head, may have yawed by so much */
-    double climb_m;  /* the vehicle may have risen or sunk by so much */
+    double climb_m;  /* and risen or sunk by so much, or layers bend rays as that would */
     double way_m;    /* and have gone so far */
     bool is_even;    /* there are only planes, which are the same everywhere */
+    const asdic_environment *env; /* NULL: rays go the same way from everywhere */
+    double range_m;               /* of the sonar */
 } asdic_lesson;
 
 /* What a sonar reaches, the less of what the transmitter and all receivers together do: wherever it is. */
 typedef struct asdic_lesson_reach {
     double height_rad, width_rad;
+    double range_m;
     bool many; /* receivers */
 } asdic_lesson_reach;
 
 asdic_lesson_reach asdic_lesson_reach_of(const asdic_sonar *sonar);
 
-asdic_lesson asdic_lesson_at(const asdic_scene *scene, const asdic_lesson_reach *reach,
-                             const asdic_pose *pose);
+/* ENV has to stay as long as the lesson. */
+asdic_lesson asdic_lesson_at(const asdic_scene *scene, const asdic_environment *env,
+                             const asdic_lesson_reach *reach, const asdic_pose *pose);
 
 /* Where nothing was learnt: it serves everywhere. */
 asdic_lesson asdic_lesson_none(void);
