@@ -87,9 +87,9 @@ static void report_missing(columns_reader *r, const char *name, const field *fie
         }
     }
     size_t nearest = asdic_words_nearest(name, others, count);
-    size_t stem = strcspn(name, "_") + 1; /* of "roll_deg", which may be there as "roll_rad" */
-    for (size_t i = 0; i < count && nearest == count; i++) {
-        nearest = strncmp(others[i], name, stem) == 0 ? i : count;
+    const char *unit = strrchr(name, '_'); /* of "roll_deg", which may be there as "roll_rad" */
+    for (size_t i = 0; i < count && nearest == count && unit; i++) {
+        nearest = strncmp(others[i], name, (size_t)(unit - name) + 1) == 0 ? i : count;
     }
     bool found = nearest < count;
     asdic_problems_add(

@@ -28,7 +28,7 @@ const char *asdic_status_text(asdic_status status) {
     case ASDIC_ERROR_INTERRUPTED:
         return "interrupted";
     case ASDIC_ERROR_UNSUPPORTED:
-        return "not supported by this build";
+        return "not supported here";
     }
     return "unknown status";
 }

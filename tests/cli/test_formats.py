@@ -345,6 +345,7 @@ def test_netcdf_that_is_gone_is_told_before_a_run():
     """The library is found when the file is made; an empty one in front of it is none."""
     with Folder() as folder:
         netcdf_run_of(folder)
+        asdic("run", folder / "pool.yaml", "-o", folder / "part").check(code=0)
         name = ctypes.util.find_library("netcdf")
         folder.write(name, "")
         words = f"'output: {{netcdf: true}}', but {name} cannot be loaded; install {name.replace('.so.', '')}, or"
@@ -352,6 +353,10 @@ def test_netcdf_that_is_gone_is_told_before_a_run():
         tap.contains(asdic("check", folder / "pool.yaml", **env).check(code=0).err, words)
         tap.contains(asdic("run", folder / "pool.yaml", "-o", folder / "gone", **env).check(code=1).err, words)
         tap.equal(os.path.exists(folder / "gone"), False, "a folder, which would be in the next run's way")
+        asdic("run", folder / "pool.yaml", "-o", folder / "r", "--resume", **env).check(code=0)  # all is there
+        before = data(folder, "r", "run.nc")
+        tap.contains(asdic("merge", "--force", folder / "part", "-o", folder / "r", **env).check(code=1).err, words)
+        tap.equal(data(folder, "r", "run.nc") == before, True, "the run that was there")
 
 
 def test_shards_give_the_same_netcdf():

@@ -374,9 +374,9 @@ def test_designs_of_whole_maps_share_their_runs():
     - {key: environment.wind_speed_kn, uniform: [0, 30]}
     - {key: 'objects[0].position_m[1]', uniform: [-3, 3]}
 """)
-        walls = ",".join(f"[{{name: wall, box: {{size_m: [{size}, 400, 40]}}, position_m: [60, 0, 10]}}]" for size in (1, 2))
+        thin, thick = (f"[{{name: wall, box: {{size_m: [{size}, 400, 40]}}, position_m: [60, 0, 10]}}]" for size in (1, 2))
         seeds = set()
-        for vary, rays in (("sampling={rays: 500},{rays: 600}", 3000), (f"objects={walls}", 3000),
+        for vary, rays in (("sampling={rays: 500},{rays: 600}", 3000), (f"objects={thin},{thick}", 3000),
                            ("environment={temperature_degc: 5},{temperature_degc: 15}", 1000)):
             options = ("--runs", 2, "--vary", vary, *(("--rays", rays) if rays != 1000 else ()))
             asdic("trial", path, *options, "-o", folder / "out", "-f").check(code=0)
@@ -390,6 +390,8 @@ def test_designs_of_whole_maps_share_their_runs():
                 tap.contains(scene, f"rays: {rays}\n")
                 seeds.add((row["run"], re.search(r"seed: (\d+)", scene)[1]))
         tap.equal((len(seeds), len({seed for _, seed in seeds})), (2, 2), f"{sorted(seeds)}")
+        asdic("trial", path, "--runs", 1, "--vary", f"objects=[],{thin}", "-o", folder / "out", "-f").check(code=0)
+        tap.equal([row["objects[0].position_m[1]"] == "" for row in rows(folder)], [True, False], "drawn where there is one")
 
 
 def test_detectors_without_mirrors_are_told_of():

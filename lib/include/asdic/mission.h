@@ -28,8 +28,9 @@ typedef struct asdic_setting {
     const char *value; /* a number, a word, a list or map: "[0, 1]", "{preset: steel}" */
 } asdic_setting;
 
-/* The same with SETTINGS in place of what the file says; keys that it lacks are added, entries of
- * lists must be there. Such a mission is for asdic_roc_compute and the like: asdic_mission_run
+/* The same with SETTINGS in place of what the file says, one after the other, but first the wholes
+ * `sonar` and `environment` and what names a file; keys that it lacks are added, entries of lists
+ * must be there. Such a mission is for asdic_roc_compute and the like: asdic_mission_run
  * refuses it, since a run's folder keeps the file's text. */
 ASDIC_API asdic_status asdic_mission_load_with(asdic_context *ctx, const char *path,
                                                const asdic_setting *settings, size_t count,

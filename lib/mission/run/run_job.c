@@ -172,7 +172,6 @@ static asdic_status compare(asdic_run_job *job, const asdic_run_facts *earlier) 
 
 asdic_status asdic_job_describe(asdic_run_job *job) {
     TRY(check_range(job));
-    TRY(asdic_files_check(job->ctx, &job->mission->settings));
     if (job->mission->settings.elements && job->options->team) {
         return asdic_fail(job->ctx, ASDIC_ERROR_UNSUPPORTED,
                           "'output: {elements: true}' is not possible where several processes "
@@ -296,6 +295,12 @@ static asdic_status read_earlier(asdic_run_job *job, asdic_run_facts *earlier) {
                                                            : ASDIC_OK;
 }
 
+/* What would fail only once the folder is changed. */
+static asdic_status check_files(const asdic_run_job *job) {
+    TRY(asdic_files_check(job->ctx, &job->mission->settings));
+    return asdic_run_check_room(job->ctx, job->mission, job->options);
+}
+
 /* Opens the store of a new run or of the one to be resumed. */
 static asdic_status open_run(asdic_run_job *job) {
     const char *folder = job->options->folder;
@@ -303,7 +308,7 @@ static asdic_status open_run(asdic_run_job *job) {
     asdic_status bad;
     bool goes_on = job->options->resume && asdic_folder_has_run(folder);
     if (!goes_on) {
-        TRY(asdic_run_check_room(job->ctx, job->mission, job->options));
+        TRY(check_files(job));
     }
     if (job->options->force) {
         TRY(asdic_folder_spare(job->ctx, folder, asdic_mission_path(job->mission),
@@ -317,7 +322,7 @@ static asdic_status open_run(asdic_run_job *job) {
         return ASDIC_OK;
     }
     if (goes_on) {
-        TRY(asdic_run_check_room(job->ctx, job->mission, job->options));
+        TRY(check_files(job));
     }
     TRY(list_devices(job, &earlier));
     TRY(asdic_run_facts_write(job->ctx, folder, &job->facts));

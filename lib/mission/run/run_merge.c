@@ -272,6 +272,7 @@ static asdic_status join(merger *m, const char *const *folders, bool force) {
     TRY(check_parts(m));
     TRY(check_folder(m));
     TRY(sum_up(m));
+    TRY(asdic_files_check(m->ctx, &m->parts[0]->settings));
     if (force) {
         TRY(asdic_folder_spare(m->ctx, m->folder, m->facts.scene_path, m->facts.scene_text, ""));
     }

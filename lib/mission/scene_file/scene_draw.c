@@ -221,6 +221,16 @@ static const asdic_setting *set_around(const drawer *d, asdic_yaml_node *root, c
     return own;
 }
 
+/* Whether what is set holds KEY, which may then not be there to be drawn: an entry beyond a shorter list. */
+static bool is_in_set(const asdic_drawn *drawn, const char *key) {
+    for (size_t i = 0; i < drawn->setting_count; i++) {
+        if (asdic_scene_key_is_in(key, drawn->settings[i].key)) {
+            return true;
+        }
+    }
+    return false;
+}
+
 static void remember(const drawer *d, const char *key, const asdic_yaml_node *node,
                      asdic_drawn *drawn) {
     asdic_text text = {0};
@@ -243,9 +253,16 @@ static void draw_one(const drawer *d, asdic_yaml_node *root, const file_draw *fi
         drawn->items[drawn->count++] = *set;
         return;
     }
-    asdic_yaml_node *node =
-        asdic_scene_file_find(root, key, file->key, d->reader.arena, d->reader.problems);
+    asdic_problems untold = {0};
+    bool may_lack = is_in_set(drawn, key);
+    asdic_yaml_node *node = asdic_scene_file_find(root, key, file->key, d->reader.arena,
+                                                  may_lack ? &untold : d->reader.problems);
+    d->reader.problems->out_of_memory |= untold.out_of_memory;
+    asdic_problems_finish(&untold);
     if (!node) {
+        if (may_lack) {
+            drawn->items[drawn->count++] = (asdic_setting){key, ""};
+        }
         return;
     }
     node->file = file->node->file;
