@@ -6,6 +6,7 @@
 
 #include "base/context.h"
 #include "base/try.h"
+#include "base/widest.h"
 #include "evidence.h"
 #include "sim/environment.h"
 #include "sim/ring.h"
@@ -164,40 +165,54 @@ static void add_on_floor(update *u, const spot *s) {
     }
 }
 
+/* Water between LOW_M and HIGH_M re the sonar, which holds SHARE of the objects of its column. */
+typedef struct water {
+    double plane_m, low_m, high_m, share;
+} water;
+
 /* The length that [FROM, TO] and [LOW, HIGH] have in common. */
-static double overlap(double from, double to, double low, double high) {
-    return fmax(fmin(to, high) - fmax(from, low), 0.0);
+static inline double overlap(double from, double to, double low, double high) {
+    double least = from > low ? from : low, most = to < high ? to : high;
+    return most > least ? most - least : 0.0;
 }
 
-static void hear_height(update *u, double bin, double height_m) {
-    if (bin < (double)u->seen.bins) {
-        size_t n = (size_t)bin;
-        u->column_m[n] += height_m;
-        u->first = n < u->first ? n : u->first;
-        u->beyond = n + 1 > u->beyond ? n + 1 : u->beyond;
+static inline double above_plane_m(double range_m, double plane_m) {
+    double square = range_m * range_m - plane_m * plane_m;
+    return sqrt(square > 0.0 ? square : 0.0);
+}
+
+/* Adds the heights at which the bins [FIRST, END) hear W. */
+WIDEST static void hear_bins(const water *w, double bin_m, size_t first, size_t end,
+                             double *restrict column_m) {
+    for (size_t n = first; n < end; n++) {
+        double from = above_plane_m((double)n * bin_m, w->plane_m);
+        double to = above_plane_m((double)(n + 1) * bin_m, w->plane_m);
+        column_m[n] += w->share * (overlap(from, to, w->low_m, w->high_m) +
+                                   overlap(-to, -from, w->low_m, w->high_m));
     }
 }
 
-/* Water between LOW_M and HIGH_M re the sonar, which holds SHARE of the objects of its column: each bin hears
- * what of it lies at its range, and none is left out. What is shorter than a bin is taken at its middle
- * height. */
-static void hear_water(update *u, double plane_m, double low_m, double high_m, double share) {
-    double bin_m = u->look->sonar->bin_length_m, plane2 = plane_m * plane_m, from_m = 0.0;
+/* Each bin hears what of W lies at its range, and none is left out. What is shorter than a bin is taken at its
+ * middle height. */
+static void hear_water(update *u, const water *w) {
+    double bin_m = u->look->sonar->bin_length_m, low_m = w->low_m, high_m = w->high_m;
     double least_m = low_m * high_m < 0.0 ? 0.0 : fmin(fabs(low_m), fabs(high_m));
-    double most_m = fmax(fabs(low_m), fabs(high_m)), middle_m = 0.5 * (least_m + most_m);
-    double near_m = sqrt(plane2 + least_m * least_m), far_m = sqrt(plane2 + most_m * most_m);
-    if (far_m - near_m < bin_m) {
-        hear_height(u, sqrt(plane2 + middle_m * middle_m) / bin_m, share * (high_m - low_m));
+    double most_m = fmax(fabs(low_m), fabs(high_m)), bins = (double)u->seen.bins;
+    double near_m = hypot(w->plane_m, least_m), far_m = hypot(w->plane_m, most_m);
+    bool is_short = far_m - near_m < bin_m;
+    double middle_m = is_short ? hypot(w->plane_m, 0.5 * (least_m + most_m)) : near_m;
+    size_t first = (size_t)fmin(middle_m / bin_m, bins), end = first + 1;
+    if (middle_m / bin_m >= bins) {
         return;
     }
-    double last = fmin(floor(far_m / bin_m), (double)u->seen.bins - 1.0);
-    for (double n = floor(near_m / bin_m); n <= last; n += 1.0) {
-        double end_m = (n + 1.0) * bin_m, to_m = sqrt(fmax(end_m * end_m - plane2, 0.0));
-        double height_m =
-            overlap(from_m, to_m, low_m, high_m) + overlap(-to_m, -from_m, low_m, high_m);
-        hear_height(u, n, share * height_m);
-        from_m = to_m;
+    if (is_short) {
+        u->column_m[first] += w->share * (high_m - low_m);
+    } else {
+        end = (size_t)fmin(floor(far_m / bin_m) + 1.0, bins);
+        hear_bins(w, bin_m, first, end, u->column_m);
     }
+    u->first = first < u->first ? first : u->first;
+    u->beyond = end > u->beyond ? end : u->beyond;
 }
 
 /* A column of water between LOW_M and HIGH_M re the sonar, over all distances of a long cell. */
@@ -207,7 +222,7 @@ static void add_column(update *u, size_t heading, const spot *s, double low_m, d
     u->beyond = 0;
     for (double i = 0.5; i < count; i += 1.0) {
         double plane_m = fmax(s->plane_m + (2.0 * i / count - 1.0) * s->half_m, 0.0);
-        hear_water(u, plane_m, low_m, high_m, 1.0 / count);
+        hear_water(u, &(water){plane_m, low_m, high_m, 1.0 / count});
     }
     for (size_t n = u->first; n < u->beyond; n++) {
         if (u->column_m[n] > 0.0) {
