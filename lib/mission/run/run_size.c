@@ -2,6 +2,7 @@
 
 #include "base/clock.h"
 #include "base/context.h"
+#include "base/number.h"
 #include "base/try.h"
 #include "mission/mission.h"
 #include "out/format.h"
