@@ -69,13 +69,14 @@ static double exceed(const asdic_background *b, asdic_target target, double snr,
     if (isinf(threshold)) { /* as of costs that nothing is worth */
         return 0.0;
     }
+    if (b->shape > ASDIC_SHAPE_MAX) {
+        return detection_exponential(threshold, snr, looks, code);
+    }
     if (threshold > ASDIC_DETECT_MOST) { /* nothing but a target as strong comes near */
         snr *= ASDIC_DETECT_MOST / threshold;
         threshold = ASDIC_DETECT_MOST;
     }
-    return b->shape <= ASDIC_SHAPE_MAX
-               ? detection_k(threshold, snr, looks, code, b->shape, b->noise_share)
-               : detection_exponential(threshold, snr, looks, code);
+    return detection_k(threshold, snr, looks, code, b->shape, b->noise_share);
 }
 
 double asdic_detect_pfa(const asdic_background *b, double threshold_lin) {

@@ -8,7 +8,6 @@
 #include "base/try.h"
 #include "base/widest.h"
 #include "evidence.h"
-#include "sim/environment.h"
 #include "sim/ring.h"
 
 #include <math.h>
@@ -452,9 +451,8 @@ asdic_status asdic_occupancy_add(asdic_context *ctx, asdic_occupancy *map, const
         !isfinite(at->roll_rad + at->pitch_rad + at->yaw_rad)) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "a look from a pose that is not finite");
     }
-    if (!(look->sound_speed_mps >= ASDIC_SOUND_LEAST_MPS) ||
-        look->sound_speed_mps > ASDIC_SOUND_MOST_MPS || look->bins == 0 || isnan(look->depth_m) ||
-        !isfinite(look->snr_db)) {
+    if (!(look->sound_speed_mps >= 100.0 && look->sound_speed_mps <= 1e4) || look->bins == 0 ||
+        isnan(look->depth_m) || !isfinite(look->snr_db)) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
                           "a look at %zu bins in water of %g m/s, %g m deep, for objects of %g dB",
                           look->bins, look->sound_speed_mps, look->depth_m, look->snr_db);

@@ -399,7 +399,7 @@ asdic_status asdic_mission_load_same(asdic_context *ctx, const char *path, const
                                      asdic_mission **out) {
     *out = NULL;
     asdic_status status = strcmp(path, "-") != 0 ? load_same(path, hash, out) : ASDIC_OK;
-    return status == ASDIC_OK || status == ASDIC_ERROR_INPUT
+    return status == ASDIC_OK || status == ASDIC_ERROR_INPUT || status == ASDIC_ERROR_UNSUPPORTED
                ? ASDIC_OK
                : asdic_fail(ctx, status, "scene '%s' cannot be loaded again: %s", path,
                             asdic_status_text(status));

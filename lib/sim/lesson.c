@@ -103,6 +103,8 @@ asdic_lesson asdic_lesson_at(const asdic_scene *scene, const asdic_environment *
         .is_even = is_even,
         .env = env,
         .range_m = reach->range_m,
+        .top_m = info.has_surface ? 0.0 : -INFINITY,
+        .bottom_m = is_even ? pose->position_m.z + altitude_m : INFINITY,
     };
 }
 
@@ -125,6 +127,9 @@ asdic_lesson asdic_lesson_none(void) {
  * e^2 + 2 c / c0, and to come there within the range e is no less than AWAY_M over it. */
 static double turned_rad(const asdic_lesson *lesson, const asdic_layers *layers, double depth_m,
                          double away_m) {
+    if (fabs(away_m) > lesson->range_m) {
+        return 0.0;
+    }
     double then_m = lesson->pose.position_m.z, speed_mps = asdic_layers_speed_mps(layers, then_m);
     double then = asdic_layers_speed_mps(layers, then_m + away_m) - speed_mps;
     double now =
@@ -134,7 +139,7 @@ static double turned_rad(const asdic_lesson *lesson, const asdic_layers *layers,
 }
 
 /* How far the vehicle would have to climb through straight water to turn the farthest rays as layers do at DEPTH_M, which
- * turn them most where one ends, seen from either depth. */
+ * turn them most where one ends in the water, seen from either depth. */
 static double bent_m(const asdic_lesson *lesson, double depth_m) {
     double then_m = lesson->pose.position_m.z, most_rad = 0.0;
     if (!lesson->env || depth_m == then_m) {
@@ -144,6 +149,9 @@ static double bent_m(const asdic_lesson *lesson, double depth_m) {
     asdic_layers_of(lesson->env, depth_m, &layers);
     for (size_t i = 0; i + 1 < layers.count; i++) {
         double end_m = layers.layer[i].bottom_m;
+        if (end_m <= lesson->top_m || end_m >= lesson->bottom_m) {
+            continue;
+        }
         double now_rad = turned_rad(lesson, &layers, depth_m, end_m - depth_m);
         double then_rad = turned_rad(lesson, &layers, depth_m, end_m - then_m);
         most_rad = fmax(most_rad, fmax(now_rad, then_rad));

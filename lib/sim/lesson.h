@@ -15,6 +15,7 @@ typedef struct asdic_lesson {
     bool is_even;    /* there are only planes, which are the same everywhere */
     const asdic_environment *env; /* NULL: rays go the same way from everywhere */
     double range_m;               /* of the sonar */
+    double top_m, bottom_m;       /* depths between which rays are */
 } asdic_lesson;
 
 /* What a sonar reaches, the less of what the transmitter and all receivers together do: wherever it is. */

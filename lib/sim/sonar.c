@@ -12,7 +12,7 @@
 #define LEAST_LENGTH_M 1e-4
 /* Below a hundredth of the shortest wavelength. An element may be as short as its array's spacing. */
 #define LEAST_SPACING_M 1e-6
-#define MOST_SPACING_WL 10.0
+#define MOST_SPACING_WL 20.0
 
 asdic_sonar asdic_sonar_default(void) {
     return (asdic_sonar){

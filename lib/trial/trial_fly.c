@@ -313,7 +313,7 @@ static asdic_status check(asdic_context *ctx, asdic_trial_options *o) {
 static void remove_files(const char *folder, bool under_way) {
     static const char *const names[] = {"trial.json",     "trial.csv",       "trial.png",
                                         "trial.part.csv", "trial.part.json", "trial.part.csv.part"};
-    int folder_fd = open(folder, O_RDONLY | O_DIRECTORY);
+    int folder_fd = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     for (int i = 0; folder_fd >= 0 && i < (under_way ? 6 : 3); i++) {
         unlinkat(folder_fd, names[i], 0);
     }

@@ -10,6 +10,7 @@ from program import Folder, asdic
 from run_folder import data, facts, same, scene
 
 FAULT = os.environ["OPENCL_FAULT_LIBRARY"]
+POCL = "/etc/OpenCL/vendors/pocl.icd"
 
 # Name, the fault (see opencl_fault.c), words of the warning.
 FAULTS = (
@@ -85,7 +86,7 @@ def test_two_platforms_in_one_process():
     found = subprocess.run(["sh", "-c", "ls /usr/lib/*/oclgrind/liboclgrind-rt-icd.so "
                             "/usr/lib/*/liboclgrind-rt-icd.so /usr/lib/liboclgrind-rt-icd.so"],
                            capture_output=True, text=True, check=False).stdout.split()
-    if not found or not os.path.exists("/etc/OpenCL/vendors/pocl.icd"):
+    if not found or not os.path.exists(POCL):
         raise tap.Skip("Oclgrind's or PoCL's ICD library is not here")
     with Folder() as folder:
         vendors = folder / "vendors"
@@ -181,8 +182,10 @@ def test_kernel_cache_that_cannot_be_written():
             kept = [name for name in os.listdir(folder.path) if name.startswith("asdic-kernels-")]
             tap.equal(len(kept), 1, "folders, which later runs share")
             done = unprivileged("devices", cwd="/", TMPDIR=folder.path, POCL_CACHE_DIR="").check(code=0)
+            if not os.path.exists(POCL):
+                return
             done = unprivileged("devices", cwd="/", TMPDIR="/dev/null", POCL_CACHE_DIR="/dev/null/x",
-                                OCL_ICD_VENDORS="/etc/OpenCL/vendors/pocl.icd").check(code=4)
+                                OCL_ICD_VENDORS=POCL).check(code=4)
             tap.contains(done.err, "cannot be kept in '/dev/null/x' (Not a directory), nor below '/dev/null' (Not a "
                          "directory); set POCL_CACHE_DIR")
             tap.contains(done.err, "set POCL_CACHE_DIR to a folder that can be written to: '/dev/null/x' cannot (Not a "

@@ -392,6 +392,11 @@ def test_designs_of_whole_maps_share_their_runs():
         tap.equal((len(seeds), len({seed for _, seed in seeds})), (2, 2), f"{sorted(seeds)}")
         asdic("trial", path, "--runs", 1, "--vary", f"objects=[],{thin}", "-o", folder / "out", "-f").check(code=0)
         tap.equal([row["objects[0].position_m[1]"] == "" for row in rows(folder)], [True, False], "drawn where there is one")
+        for key in ("objects[0].postion_m[1]", "objects[1].position_m[1]", "objects[0].position_m[7]"):
+            folder.write("wall.yaml", folder.read("wall.yaml").replace("objects[0].position_m[1]", key))
+            done = asdic("trial", path, "--runs", 1, "--vary", f"objects={thin},{thick}", "-o", folder / "no").check(code=3)
+            tap.contains(done.err, f"cannot set '{key}'")
+            folder.write("wall.yaml", folder.read("wall.yaml").replace(key, "objects[0].position_m[1]"))
 
 
 def test_detectors_without_mirrors_are_told_of():

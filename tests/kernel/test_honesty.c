@@ -465,6 +465,37 @@ static void a_climb_through_layers_learns_anew(void **state) {
     rig_close(&r);
 }
 
+/* What ends above the surface, below the bottom or out of range is met by no ray. */
+static void layers_out_of_reach_bend_nothing(void **state) {
+    (void)state;
+    static const char *const profiles[] = {"[0, 1500], [20.5, 1500], [30, 1450]",
+                                           "[0, 1500], [60, 1512], [70, 1512]"};
+    static const double bottom_m[] = {20.0, 400.0};
+    for (size_t i = 0; i < 2; i++) {
+        char text[640];
+        size_t lessons[2] = {0};
+        snprintf(text, sizeof text,
+                 "{version: 1, environment: {sound_speed_profile: [%s]}, bottom: {depth_m: %g, "
+                 "type: sand}, sonar: {frequency_khz: 100, ping_rate_hz: 1, max_range_m: 40, "
+                 "source_level_db: 190, receivers: [{name: ahead, length_h_m: 0.06, length_v_m: "
+                 "0.06}]}, mission: {pose: {position_m: [0, 0, 15]}}}",
+                 profiles[i], bottom_m[i]);
+        honesty_rig r = rig_of_text(text);
+        for (int straight = 0; straight < 2; straight++) {
+            asdic_mission_refract(r.mission,
+                                  straight ? ASDIC_REFRACTION_OFF : ASDIC_REFRACTION_FULL);
+            asdic_simulator *sim = rig_simulator(&r, 256);
+            for (uint64_t k = 0; k < 24; k++) {
+                r.pose.position_m.z = 15.0 - 0.2 * (double)k;
+                lessons[straight] += learn_where_due(sim, &r.pose, k);
+            }
+            asdic_simulator_destroy(&sim);
+        }
+        assert_int_equal(lessons[0], lessons[1]);
+        rig_close(&r);
+    }
+}
+
 /* Past a quay it brings other parts of it into a narrow beam, as the head of a scanning sonar does. */
 static void a_turn_past_objects_learns_anew(void **state) {
     (void)state;
@@ -757,6 +788,7 @@ int main(void) {
         cmocka_unit_test(a_dive_learns_anew),
         cmocka_unit_test(a_level_turn_does_not),
         cmocka_unit_test(a_climb_through_layers_learns_anew),
+        cmocka_unit_test(layers_out_of_reach_bend_nothing),
         cmocka_unit_test(a_turn_past_objects_learns_anew),
         cmocka_unit_test(a_way_over_terrain_learns_anew),
         cmocka_unit_test(unlike_beams),

@@ -255,7 +255,7 @@ static void an_array_has_its_limits(void **state) {
     bad[6].side_lobe_db = -9.9;
     bad[7].side_lobe_db = NAN;
     bad[8].spacing_m = INFINITY;
-    bad[9].spacing_m = 0.171; /* ten wavelengths are at most 0.17 m */
+    bad[9].spacing_m = 0.341; /* twenty wavelengths are at most 0.34 m */
     bad[10].element.yaw_rad = INFINITY;
     bad[11].element.pitch_rad = NAN;
     bad[12].element.length_v_m = INFINITY;
@@ -266,7 +266,7 @@ static void an_array_has_its_limits(void **state) {
     sonar.array.shading = ASDIC_SHADING_HANN; /* which has no level of its own */
     sonar.array.side_lobe_db = 0.0;
     assert_ok(ctx, asdic_sonar_check(ctx, &sonar));
-    sonar.array.spacing_m = 0.17;
+    sonar.array.spacing_m = 0.34;
     assert_ok(ctx, asdic_sonar_check(ctx, &sonar));
     for (int i = 0; i < 13; i++) {
         sonar.array = bad[i];

@@ -29,9 +29,9 @@ typedef struct asdic_setting {
 } asdic_setting;
 
 /* The same with SETTINGS in place of what the file says, one after the other, but first the wholes
- * `sonar` and `environment` and what names a file; keys that it lacks are added, entries of lists
- * must be there. Such a mission is for asdic_roc_compute and the like: asdic_mission_run
- * refuses it, since a run's folder keeps the file's text. */
+ * `sonar` and `environment`, what names a file, and the salinity that a cast is read by; keys that
+ * it lacks are added, entries of lists must be there. Such a mission is for asdic_roc_compute and
+ * the like: asdic_mission_run refuses it, since a run's folder keeps the file's text. */
 ASDIC_API asdic_status asdic_mission_load_with(asdic_context *ctx, const char *path,
                                                const asdic_setting *settings, size_t count,
                                                asdic_mission **out);

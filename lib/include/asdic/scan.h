@@ -94,7 +94,7 @@ ASDIC_API void asdic_occupancy_destroy(asdic_occupancy **map);
 /* A ping as a map reads it; nothing is borrowed. Arrays are [beam * bins + bin]. */
 typedef struct asdic_look {
     const asdic_sonar *sonar;
-    double sound_speed_mps; /* 1300..1700 */
+    double sound_speed_mps; /* 100..1e4 */
     asdic_pose pose;
     double depth_m; /* water above; INFINITY: not known */
     size_t bins;

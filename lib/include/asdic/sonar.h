@@ -39,7 +39,7 @@ typedef enum asdic_shading {
  * pings receive with; the sonar's receivers are the beams that are formed of them. */
 typedef struct asdic_array {
     size_t elements;  /* 0: there is no array; else 2..ASDIC_ARRAY_MAX_ELEMENTS */
-    double spacing_m; /* 1e-6 m to 10 wavelengths, in water of 1700 m/s */
+    double spacing_m; /* 1e-6 m to 20 wavelengths, in water of 1700 m/s */
     asdic_shading shading;
     double side_lobe_db; /* of Taylor and Chebyshev, below 0 */
     asdic_beam element;  /* where all of them look, and their sides */

@@ -245,7 +245,18 @@ static void remember(const drawer *d, const char *key, const asdic_yaml_node *no
     }
 }
 
-static void draw_one(const drawer *d, asdic_yaml_node *root, const file_draw *file,
+/* The node of KEY in ROOT; without a word where it is not there. */
+static asdic_yaml_node *look_for(const drawer *d, asdic_yaml_node *root,
+                                 const asdic_yaml_node *key) {
+    asdic_problems untold = {0};
+    asdic_yaml_node *node = asdic_scene_file_find(root, key->text, NULL, d->reader.arena, &untold);
+    d->reader.problems->out_of_memory |= untold.out_of_memory;
+    asdic_problems_finish(&untold);
+    return node;
+}
+
+/* MAY_LACK: the scene's file has the key, so that only a shorter list that is set lacks it. */
+static void draw_one(const drawer *d, asdic_yaml_node *root, const file_draw *file, bool may_lack,
                      asdic_drawn *drawn) {
     const char *key = file->key->text;
     const asdic_setting *set = set_around(d, root, key, drawn);
@@ -253,12 +264,9 @@ static void draw_one(const drawer *d, asdic_yaml_node *root, const file_draw *fi
         drawn->items[drawn->count++] = *set;
         return;
     }
-    asdic_problems untold = {0};
-    bool may_lack = is_in_set(drawn, key);
-    asdic_yaml_node *node = asdic_scene_file_find(root, key, file->key, d->reader.arena,
-                                                  may_lack ? &untold : d->reader.problems);
-    d->reader.problems->out_of_memory |= untold.out_of_memory;
-    asdic_problems_finish(&untold);
+    asdic_yaml_node *node =
+        may_lack ? look_for(d, root, file->key)
+                 : asdic_scene_file_find(root, key, file->key, d->reader.arena, d->reader.problems);
     if (!node) {
         if (may_lack) {
             drawn->items[drawn->count++] = (asdic_setting){key, ""};
@@ -295,12 +303,18 @@ static void draw_all(const drawer *d, asdic_yaml_node *root, const file_trial *t
     size_t first = drawn->count;
     asdic_setting *items =
         asdic_arena_alloc(d->reader.arena, (first + trial->draws.count + 1) * sizeof *items);
-    if (!items) {
+    bool *is_in_file = asdic_arena_alloc(d->reader.arena, trial->draws.count + 1);
+    if (!items || !is_in_file) {
         d->reader.problems->out_of_memory = true;
         return;
     }
     for (size_t i = 0; i < first; i++) {
         items[i] = drawn->items[i];
+    }
+    for (size_t i = 0; i < trial->draws.count; i++) {
+        const char *key = draws[i].key->text;
+        is_in_file[i] = asdic_scene_key_turn(key) == turn && is_in_set(drawn, key) &&
+                        look_for(d, root, draws[i].key);
     }
     drawn->items = items;
     for (size_t i = 0; i < trial->draws.count; i++) {
@@ -311,7 +325,7 @@ static void draw_all(const drawer *d, asdic_yaml_node *root, const file_trial *t
         if (is_gone(drawn, key)) {
             drawn->items[drawn->count++] = (asdic_setting){key, ""};
         } else {
-            draw_one(d, root, &draws[i], drawn);
+            draw_one(d, root, &draws[i], is_in_file[i], drawn);
         }
     }
 }
