@@ -249,7 +249,9 @@ static void remember(const drawer *d, const char *key, const asdic_yaml_node *no
 static asdic_yaml_node *look_for(const drawer *d, asdic_yaml_node *root,
                                  const asdic_yaml_node *key) {
     asdic_problems untold = {0};
-    asdic_yaml_node *node = asdic_scene_file_find(root, key->text, NULL, d->reader.arena, &untold);
+    asdic_yaml_node nobody = *key; /* what a problem is told of counts as bad from then on */
+    asdic_yaml_node *node =
+        asdic_scene_file_find(root, key->text, &nobody, d->reader.arena, &untold);
     d->reader.problems->out_of_memory |= untold.out_of_memory;
     asdic_problems_finish(&untold);
     return node;
