@@ -243,7 +243,7 @@ static void compare_turned(const sight *s, size_t least) {
         assert_true(compared > least && worst_db < 0.1);
         asdic_ping_destroy(&right);
     }
-    asdic_eye_close(&eye);
+    asdic_eye_finish(&eye); /* another mission's is next */
     asdic_mission_destroy(&m);
 }
 
