@@ -199,11 +199,11 @@ static void hear_water(update *u, const water *w) {
     double most_m = fmax(fabs(low_m), fabs(high_m)), bins = (double)u->seen.bins;
     double near_m = hypot(w->plane_m, least_m), far_m = hypot(w->plane_m, most_m);
     bool is_short = far_m - near_m < bin_m;
-    double middle_m = is_short ? hypot(w->plane_m, 0.5 * (least_m + most_m)) : near_m;
-    size_t first = (size_t)fmin(middle_m / bin_m, bins), end = first + 1;
-    if (middle_m / bin_m >= bins) {
+    double at_m = is_short ? hypot(w->plane_m, 0.5 * (least_m + most_m)) : near_m;
+    if (at_m / bin_m >= bins) {
         return;
     }
+    size_t first = (size_t)(at_m / bin_m), end = first + 1;
     if (is_short) {
         u->column_m[first] += w->share * (high_m - low_m);
     } else {

@@ -158,11 +158,15 @@ asdic_status asdic_material_check_use(asdic_context *ctx, const asdic_material *
                       material->law->name, uses[u].words, names);
 }
 
-/* The same limits as in a file. */
-static asdic_status check_rows(asdic_context *ctx, const asdic_material *material) {
+/* The same limits as in a file, of COLUMNS. */
+static asdic_status check_rows(asdic_context *ctx, const asdic_material *material,
+                               const char *columns) {
     const char *name = material->law->name;
     const asdic_columns *table = &material->law->table;
     double before = -INFINITY;
+    if (!material->rows || material->row_count == 0) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "%s: no rows of %s", name, columns);
+    }
     for (size_t i = 0; i < material->row_count; i++) {
         const double *row = material->rows + i * table->count;
         for (size_t c = 0; c < table->count; c++) {
@@ -196,12 +200,8 @@ asdic_status asdic_material_check(asdic_context *ctx, const asdic_material *mate
                               key->name, value, key->min, key->max, key->unit ? " " : "",
                               key->unit ? key->unit : "");
         }
-        if (key->columns && (!material->rows || material->row_count == 0)) {
-            return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "%s: no rows of %s", material->law->name,
-                              key->columns);
-        }
         if (key->columns) {
-            TRY(check_rows(ctx, material));
+            TRY(check_rows(ctx, material, key->columns));
         }
     }
     return ASDIC_OK;

@@ -71,8 +71,8 @@ static bool private_folder(const char *temporary, char *path) {
 
 void asdic_kernel_cache_prepare(asdic_context *ctx) {
     const char *temporary = variable("TMPDIR") ? variable("TMPDIR") : "/tmp";
-    const char *given = getenv("POCL_CACHE_DIR"),
-               *set = "set POCL_CACHE_DIR to a folder that can be written to";
+    const char *given = getenv("POCL_CACHE_DIR");
+    static const char set[] = "set POCL_CACHE_DIR to a folder that can be written to";
     char wanted[ASDIC_CACHE_SIZE], instead[ASDIC_CACHE_SIZE];
     if (given && !*given) {
         unsetenv("POCL_CACHE_DIR"); /* as if it were not set, instead of an abort */

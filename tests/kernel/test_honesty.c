@@ -430,38 +430,45 @@ static void add_ping(honesty_rig *r, asdic_simulator *sim, uint64_t index, uint3
     asdic_ping_destroy(&truth);
 }
 
+enum { CLIMB_PINGS = 24 };
+
+/* How often a vehicle learns that rises by STEP_M a ping from FROM_M; adds every fourth of its pings to SUMS, unless NULL. */
+static size_t lessons_of_climb(honesty_rig *r, asdic_refraction refraction, uint32_t rays,
+                               double from_m, double step_m, honesty_sum *sums) {
+    asdic_mission_refract(r->mission, refraction);
+    asdic_simulator *sim = rig_simulator(r, rays);
+    size_t lessons = 0;
+    for (uint64_t k = 0; k < CLIMB_PINGS; k++) {
+        r->pose.position_m.z = from_m - step_m * (double)k;
+        lessons += learn_where_due(sim, &r->pose, k);
+        if (sums && k % 4 == 0) {
+            add_ping(r, sim, k, rays, sums);
+        }
+    }
+    asdic_simulator_destroy(&sim);
+    return lessons;
+}
+
 /* A climb from below a channel's axis, at 8 m, to above it: rays that stay in the channel and reach the bottom far out leave
  * the vehicle at elevations at which none did before. Straight rays leave as they did. */
 static void a_climb_through_layers_learns_anew(void **state) {
     (void)state;
-    enum { PINGS = 24, EVERY = 4, RAYS = 4000 };
+    enum { RAYS = 4000 };
     honesty_rig r = rig_of_text(
         "{version: 1, environment: {sound_speed_profile: [[0, 1510], [8, 1490], [20, 1500]]}, "
         "bottom: {depth_m: 20, type: rock}, sonar: {frequency_khz: 100, ping_rate_hz: 1, "
         "max_range_m: 120, source_level_db: 190, receivers: [{name: ahead, length_h_m: 0.06, "
         "length_v_m: 0.06}, {name: down, pitch_deg: -10, length_h_m: 0.06, length_v_m: 0.06}]}, "
         "mission: {pose: {position_m: [0, 0, 9.5]}}}");
-    size_t lessons[2] = {0};
-    double ratio = 0.0;
-    for (int straight = 0; straight < 2; straight++) {
-        asdic_mission_refract(r.mission, straight ? ASDIC_REFRACTION_OFF : ASDIC_REFRACTION_FULL);
-        asdic_simulator *sim = rig_simulator(&r, RAYS);
-        honesty_sum sums[2] = {{0}};
-        for (uint64_t k = 0; k < PINGS; k++) {
-            r.pose.position_m.z = 9.5 - 0.1 * (double)k;
-            lessons[straight] += learn_where_due(sim, &r.pose, k);
-            if (!straight && k % EVERY == 0) {
-                add_ping(&r, sim, k, RAYS, sums);
-            }
-        }
-        ratio = straight ? ratio : rms_of(sums[0]);
-        asdic_simulator_destroy(&sim);
-    }
+    honesty_sum sums[2] = {{0}};
+    size_t bent = lessons_of_climb(&r, ASDIC_REFRACTION_FULL, RAYS, 9.5, 0.1, sums);
+    size_t straight = lessons_of_climb(&r, ASDIC_REFRACTION_OFF, RAYS, 9.5, 0.1, NULL);
+    double ratio = rms_of(sums[0]);
     print_message("a climb through layers learns %zu times, with straight rays %zu: true over "
                   "stated %.2f\n",
-                  lessons[0], lessons[1], ratio);
+                  bent, straight, ratio);
     assert_true(ratio > 0.7 && ratio < 1.3);
-    assert_true(lessons[0] < PINGS && lessons[1] == 1);
+    assert_true(bent < CLIMB_PINGS && straight == 1);
     rig_close(&r);
 }
 
@@ -473,7 +480,6 @@ static void layers_out_of_reach_bend_nothing(void **state) {
     static const double bottom_m[] = {20.0, 400.0};
     for (size_t i = 0; i < 2; i++) {
         char text[640];
-        size_t lessons[2] = {0};
         snprintf(text, sizeof text,
                  "{version: 1, environment: {sound_speed_profile: [%s]}, bottom: {depth_m: %g, "
                  "type: sand}, sonar: {frequency_khz: 100, ping_rate_hz: 1, max_range_m: 40, "
@@ -481,17 +487,8 @@ static void layers_out_of_reach_bend_nothing(void **state) {
                  "0.06}]}, mission: {pose: {position_m: [0, 0, 15]}}}",
                  profiles[i], bottom_m[i]);
         honesty_rig r = rig_of_text(text);
-        for (int straight = 0; straight < 2; straight++) {
-            asdic_mission_refract(r.mission,
-                                  straight ? ASDIC_REFRACTION_OFF : ASDIC_REFRACTION_FULL);
-            asdic_simulator *sim = rig_simulator(&r, 256);
-            for (uint64_t k = 0; k < 24; k++) {
-                r.pose.position_m.z = 15.0 - 0.2 * (double)k;
-                lessons[straight] += learn_where_due(sim, &r.pose, k);
-            }
-            asdic_simulator_destroy(&sim);
-        }
-        assert_int_equal(lessons[0], lessons[1]);
+        size_t bent = lessons_of_climb(&r, ASDIC_REFRACTION_FULL, 256, 15.0, 0.2, NULL);
+        assert_int_equal(bent, lessons_of_climb(&r, ASDIC_REFRACTION_OFF, 256, 15.0, 0.2, NULL));
         rig_close(&r);
     }
 }
