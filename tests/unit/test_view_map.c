@@ -1,0 +1,400 @@
+/* A view's map and camera: what lies where, and what the camera is told to show. */
+#include "view_ink.h"
+
+/* The last shot, seen on its way to the camera. */
+static asdic_shot shot;
+
+asdic_status __real_asdic_camera_shoot(asdic_camera *camera, asdic_simulator *sim,
+                                       const asdic_shot *of);
+asdic_status __wrap_asdic_camera_shoot(asdic_camera *camera, asdic_simulator *sim,
+                                       const asdic_shot *of);
+
+asdic_status __wrap_asdic_camera_shoot(asdic_camera *camera, asdic_simulator *sim,
+                                       const asdic_shot *of) {
+    shot = *of;
+    return __real_asdic_camera_shoot(camera, sim, of);
+}
+
+/* A cone's axis and edges lie as said: by heading and depression, with half-widths to the sides and up and down. */
+static void check_cone(const dev_cone_view *cone, double heading_rad, double down_rad,
+                       double half_h_rad, double half_v_rad) {
+    for (int k = 0; k < 5; k++) {
+        double side = k < 3 ? half_h_rad * (k - 1) : 0.0,
+               below = k < 3 ? 0.0 : half_v_rad * (2 * k - 7);
+        /* Turned to the side within the plane of the face, then down, then to the heading. */
+        double x = cos(side) * cos(below), y = sin(side), z = sin(below), seen[3];
+        double ahead = x * cos(down_rad) - z * sin(down_rad);
+        const double u[3] = {ahead * cos(heading_rad) - y * sin(heading_rad),
+                             ahead * sin(heading_rad) + y * cos(heading_rad),
+                             x * sin(down_rad) + z * cos(down_rad)};
+        for (int row = 0; row < 3; row++) {
+            const float *r = cone->rows + 3 * row;
+            seen[row] = (double)r[0] * u[0] + (double)r[1] * u[1] + (double)r[2] * u[2];
+        }
+        assert_close(seen[1] / seen[0], k < 3 ? k - 1.0 : 0.0, 1e-4);
+        assert_close(seen[2] / seen[0], k < 3 ? 0.0 : 2.0 * k - 7.0, 1e-4);
+        assert_close(seen[0], cos(side) * cos(below), 1e-4);
+    }
+}
+
+/* An arc of the last frame goes from LOW to HIGH, bearings from north on. */
+static void check_arc(size_t at, double low_rad, double high_rad) {
+    assert_true(at < arc_count);
+    assert_close(arcs[at].rad[0], low_rad - 90.0 * DEGREE, 1e-9);
+    assert_close(arcs[at].rad[1], high_rad - 90.0 * DEGREE, 1e-9);
+}
+
+/* Nine beams and more are one wedge, on the map one sector. The chosen beam is amber, which has more red than blue, and
+ * stronger. */
+static void beams_are_cones(void **state) {
+    (void)state;
+    asdic_view *v =
+        open_view("[{name: a, yaw_deg: -40}, {name: b, pitch_deg: 30, length_v_m: 0.05}, "
+                  "{name: c, yaw_deg: 25, length_h_m: 0.2}]",
+                  "sampling: {rays: 256}");
+    v->beam = 2;
+    step(v, 1);
+    const asdic_beam *beams = asdic_mission_sonar(v->mission)->receivers;
+    double heading = v->ping.pose.yaw_rad;
+    assert_int_equal(shot.cones, 3);
+    for (size_t b = 0; b < 3; b++) {
+        const dev_cone_view *cone = &shot.cone[b];
+        check_cone(cone, heading + beams[b].yaw_rad, beams[b].pitch_rad,
+                   asdic_view_half_width_rad(v, beams[b].length_h_m),
+                   asdic_view_half_width_rad(v, beams[b].length_v_m));
+        assert_int_equal(cone->rgb[0] > cone->rgb[2], b == 2);
+        assert_close((double)cone->strength, b == 2 ? 1.0 : 0.55, 1e-6);
+    }
+    draw(v);
+    assert_int_equal(arc_count, 3); /* on the map the chosen one comes last */
+    for (size_t b = 0; b < 3; b++) {
+        double middle = heading + beams[b].yaw_rad;
+        double half = asdic_view_half_width_rad(v, beams[b].length_h_m);
+        check_arc(b, middle - half, middle + half);
+    }
+    close_view(v);
+    for (int count = 8; count < 11; count++) {
+        char receivers[1024] = "[";
+        add_beams(receivers, count);
+        v = open_view(receivers, "sampling: {rays: 256}");
+        v->beam = 1;
+        step(v, 1);
+        beams = asdic_mission_sonar(v->mission)->receivers;
+        assert_int_equal(shot.cones, count < 9 ? count : 2);
+        if (count >= 9) {
+            double half = asdic_view_half_width_rad(v, beams[0].length_h_m);
+            check_cone(&shot.cone[0], v->ping.pose.yaw_rad + beams[1].yaw_rad, 0.0, half,
+                       asdic_view_half_width_rad(v, beams[1].length_v_m));
+            check_cone(&shot.cone[1], v->ping.pose.yaw_rad, 0.0, beams[count - 1].yaw_rad + half,
+                       asdic_view_half_width_rad(v, beams[0].length_v_m));
+            assert_true(shot.cone[0].rgb[0] > shot.cone[0].rgb[2]);
+            assert_true(shot.cone[1].rgb[0] < shot.cone[1].rgb[2]);
+            double yaw = v->ping.pose.yaw_rad, last = beams[count - 1].yaw_rad;
+            draw(v);
+            assert_int_equal(arc_count, 2);
+            check_arc(0, yaw - last - half, yaw + last + half);
+            check_arc(1, yaw + beams[1].yaw_rad - half, yaw + beams[1].yaw_rad + half);
+        }
+        close_view(v);
+    }
+}
+
+/* On the map and by its name, where it is at the moment. */
+static void what_moves_is_shown(void **state) {
+    (void)state;
+    char path[] = "/tmp/asdic-track-XXXXXX", more[160];
+    int fd = mkstemp(path);
+    assert_true(fd >= 0);
+    assert_true(
+        dprintf(
+            fd,
+            "time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n0,2,12,7,0,0,0\n4,-2,12,7,0,0,0\n") >
+        0);
+    close(fd);
+    snprintf(more, sizeof more,
+             "objects: [{name: fish, sphere: {radius_m: 0.5}, track: %s}]\nsampling: {rays: 256}",
+             path);
+    asdic_view *v = open_view("[{name: a}]", more);
+    unlink(path);
+    double label_x = NAN;
+    for (int ping = 0; ping < 3; ping++) {
+        step(v, 1);
+        draw(v);
+        double px_per_m =
+            fmax(v->layout.plan.w, v->layout.plan.h) / ((double)v->relief.rows * v->relief.cell_m);
+        assert_int_equal(arc_count, 2);
+        assert_close(arcs[1].x - arcs[0].x, (12.0 - 0.5 * ping) * px_per_m, 1e-6);
+        assert_close(arcs[1].y - arcs[0].y, -(2.0 - 0.25 * ping) * px_per_m, 1e-6);
+        double last_x = label_x;
+        for (size_t i = 0; i < word_count; i++) {
+            label_x = strcmp(words[i].text, "fish") == 0 ? words[i].x : label_x;
+        }
+        assert_true(ping == 0 ? label_x > v->layout.chase.x : label_x > last_x);
+    }
+    close_view(v);
+}
+
+/* Which has no triangles, and is in no relief. */
+static void points_are_on_the_map(void **state) {
+    (void)state;
+    asdic_view *v = open_view(
+        "[{name: a}]",
+        "sampling: {rays: 256}\n"
+        "objects:\n  - {name: p, point: {target_strength_db: -30}, position_m: [2, 12, 7]}\n"
+        "  - {name: s, sphere: {radius_m: 0.5}, position_m: [2, 8, 7]}\n");
+    step(v, 1);
+    draw(v);
+    double px_per_m =
+        fmax(v->layout.plan.w, v->layout.plan.h) / ((double)v->relief.rows * v->relief.cell_m);
+    assert_int_equal(arc_count, 2);
+    assert_close(arcs[1].x - arcs[0].x, 12.0 * px_per_m, 1e-6);
+    assert_close(arcs[1].y - arcs[0].y, -2.0 * px_per_m, 1e-6);
+    close_view(v);
+}
+
+/* A cone ends at 166 degrees: a wider fan is seen as several, side by side. */
+static void wide_fans_are_seen_whole(void **state) {
+    (void)state;
+    static const struct {
+        int sector_deg;
+        unsigned cones;
+    } cases[] = {{120, 1}, {200, 2}, {360, 3}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char fan[96];
+        snprintf(fan, sizeof fan, "{fan: {count: 24, sector_deg: %d, length_h_m: 0.2}}",
+                 cases[i].sector_deg);
+        asdic_view *v = open_view(fan, "sampling: {rays: 256}");
+        step(v, 1);
+        const asdic_sonar *sonar = asdic_mission_sonar(v->mission);
+        double half_v = asdic_view_half_width_rad(v, sonar->receivers[0].length_v_m);
+        double half = asdic_view_half_width_rad(v, 0.2), yaw = v->ping.pose.yaw_rad;
+        double low = sonar->receivers[0].yaw_rad - half, whole = -2.0 * low;
+        assert_int_equal(shot.cones, 1 + cases[i].cones);
+        whole = fmin(whole, 360.0 * DEGREE);
+        for (unsigned k = 0; k < cases[i].cones; k++) {
+            double each = whole / cases[i].cones;
+            check_cone(&shot.cone[1 + k], yaw + low + (k + 0.5) * each, 0.0, 0.5 * each, half_v);
+        }
+        close_view(v);
+    }
+}
+
+/* From behind and above, in the water, clear of the bottom. */
+static void the_camera_stays_in_the_water(void **state) {
+    (void)state;
+    static const double depths_m[] = {0.1, 1.0, 7.0, 15.0, 19.9};
+    asdic_view *v = open_view("[{name: a}]", "sampling: {rays: 256}");
+    step(v, 1);
+    for (size_t i = 0; i < sizeof depths_m / sizeof *depths_m; i++) {
+        asdic_vec3 *at = &v->ping.pose.position_m;
+        at->z = depths_m[i];
+        draw(v);
+        double behind_m = at->y - shot.eye_m.y; /* it swims east */
+        assert_true(behind_m > 3.0 && fabs(shot.eye_m.x - at->x) < 0.02 * behind_m);
+        assert_true(shot.eye_m.z >= 0.4 && shot.eye_m.z < 20.0 - 0.1 * behind_m);
+        assert_true(shot.eye_m.z < at->z || at->z < 0.4);
+        assert_true(shot.eye_m.z > 0.41 || at->z < 0.4 * behind_m);
+        /* Down to a place ahead of the vehicle, which is seen below the middle, if at all. */
+        double down = atan2(at->z - shot.eye_m.z, behind_m);
+        assert_true(-shot.pitch_rad < down + 0.1 && shot.pitch_rad < 0.0);
+    }
+    close_view(v);
+}
+
+/* White pixels of the map: the vehicle's fill alone. */
+static size_t white_pixels(const asdic_view *v) {
+    cairo_surface_t *surface = v->canvas.surface;
+    const asdic_box box = v->layout.plan;
+    size_t count = 0;
+    cairo_surface_flush(surface);
+    const unsigned char *data = cairo_image_surface_get_data(surface);
+    for (size_t y = (size_t)box.y; y < (size_t)(box.y + box.h); y++) {
+        const unsigned char *row = data + y * (size_t)cairo_image_surface_get_stride(surface);
+        for (size_t x = (size_t)box.x; x < (size_t)(box.x + box.w); x++) {
+            count += row[4 * x] == 255 && row[4 * x + 1] == 255 && row[4 * x + 2] == 255;
+        }
+    }
+    return count;
+}
+
+/* An arrow of 0.74 times its size squared, 8 pixels in a window of 1280 and 16 in one of 2560, less half a line round
+ * it. */
+static void the_vehicle_is_as_large_as_the_window(void **state) {
+    (void)state;
+    size_t white[2];
+    for (int i = 0; i < 2; i++) {
+        asdic_view_options o = small();
+        o.width *= 2 * (i + 1);
+        o.height *= 2 * (i + 1);
+        asdic_view *v = try_view("[{name: a}]", "sampling: {rays: 256}", &o, ASDIC_OK);
+        step(v, 1);
+        draw(v);
+        white[i] = white_pixels(v);
+        close_view(v);
+    }
+    assert_true(white[0] >= 8 && white[0] < 48);
+    assert_true(white[1] >= 95 && white[1] < 190);
+}
+
+/* As far apart as the scale bar is long: lines of equal east, which go down the map, and of equal north. */
+static void the_map_is_to_scale(void **state) {
+    (void)state;
+    asdic_view *v = open_view("[{name: a}]", "sampling: {rays: 256}");
+    step(v, 1);
+    draw(v);
+    const asdic_box box = v->layout.plan;
+    double side_m = v->relief.cell_m * (double)v->relief.rows, length_m = NAN, bar_px = NAN;
+    size_t norths = 0;
+    for (size_t i = 0; i < word_count; i++) { /* below the arrow, which ends 26 px down */
+        bool is_north = strcmp(words[i].text, "N") == 0;
+        norths += is_north;
+        assert_true(!is_north || (words[i].x > box.x + 0.5 * box.w && words[i].x < box.x + box.w &&
+                                  words[i].y > box.y + 26.0 * v->layout.scale &&
+                                  words[i].y < box.y + 60.0 * v->layout.scale));
+    }
+    assert_int_equal(norths, 1);
+    for (size_t i = 0; i < word_count && isnan(length_m); i++) {
+        char *end;
+        double value = strtod(words[i].text, &end);
+        if (words[i].x > box.x && words[i].x < box.x + box.w && words[i].y > box.y &&
+            strcmp(end, " m") == 0) {
+            length_m = value;
+        }
+    }
+    assert_true(length_m > 0.1 * side_m && length_m < 0.5 * side_m);
+    double step_px = length_m * fmax(box.w, box.h) / side_m, last_x = NAN, last_y = NAN;
+    size_t down = 0, across = 0;
+    for (size_t i = 0; i < line_count; i++) {
+        const struct line *l = &lines[i];
+        if (l->x0 == l->x1 && l->y0 == box.y && l->y1 == box.y + box.h && l->x0 >= box.x) {
+            assert_true(down++ == 0 || fabs(fabs(l->x0 - last_x) - step_px) < 1.01);
+            last_x = l->x0;
+        } else if (l->y0 == l->y1 && l->x0 == box.x && l->x1 == box.x + box.w) {
+            assert_true(across++ == 0 || fabs(fabs(l->y0 - last_y) - step_px) < 1.01);
+            assert_true(l->y0 > box.y - 1.0 && l->y0 < box.y + box.h + 1.0);
+            last_y = l->y0;
+        } else if (l->y0 == l->y1 && l->x0 > box.x && l->x1 < box.x + box.w && l->y0 > box.y) {
+            bar_px = l->x1 - l->x0;
+        }
+    }
+    assert_close(bar_px, step_px, 1e-6);
+    assert_close((double)down, box.w / step_px, 1.0);
+    assert_close((double)across, box.h / step_px, 1.0);
+    assert_true(down >= 3 && across >= 3);
+    close_view(v);
+}
+
+/* A flat floor has the middle of the map's colours, 0.04, 0.13, 0.20 to 0.33, 0.53, 0.56 of white, and its depth below. */
+static void the_map_knows_a_flat_floor(void **state) {
+    (void)state;
+    asdic_view *v = open_view("[{name: a}]", "sampling: {rays: 256}");
+    step(v, 1);
+    draw(v);
+    assert_true(is_written("floor at 20.0 m") || is_written("20.0 m"));
+    const asdic_box box = v->layout.plan;
+    asdic_view_image frame = asdic_view_get_frame(v);
+    size_t alike = 0, seen = 0;
+    for (size_t y = (size_t)box.y; y < (size_t)(box.y + box.h); y++) {
+        for (size_t x = (size_t)box.x; x < (size_t)(box.x + box.w); x++, seen++) {
+            uint32_t rgb = frame.rgb[y * frame.stride + x];
+            alike += abs((int)(rgb >> 16 & 255) - 47) < 3 && abs((int)(rgb >> 8 & 255) - 84) < 3 &&
+                     abs((int)(rgb & 255) - 97) < 3;
+        }
+    }
+    assert_true(alike > seen / 4);
+    close_view(v);
+}
+
+/* Seen from behind, the oldest of the way lies in open water, nearest to the eye. */
+static void a_trail_lies_behind_the_vehicle(void **state) {
+    (void)state;
+    asdic_view *v = open_view("[{name: a}]", "sampling: {rays: 256}");
+    step(v, 12);
+    draw(v);
+    double x[2], y[2], far_m[2];
+    bool is_drawn = false;
+    for (size_t k = 0; k < 2; k++) {
+        assert_true(asdic_camera_project(v->camera, v->trail_m[k], &x[k], &y[k], &far_m[k]));
+        x[k] += v->layout.chase.x;
+        y[k] += v->layout.chase.y;
+    }
+    assert_true(far_m[0] < far_m[1]);
+    for (size_t i = 0; i < line_count; i++) {
+        const struct line *l = &lines[i];
+        is_drawn = is_drawn ||
+                   hypot(l->x0 - x[0], l->y0 - y[0]) + hypot(l->x1 - x[1], l->y1 - y[1]) < 1e-6;
+    }
+    assert_true(is_drawn);
+    close_view(v);
+}
+
+/* Of objects in one place the first is named alone, wherever others are. */
+static void names_keep_clear_of_names(void **state) {
+    (void)state;
+    asdic_view *v = open_view(
+        "[{name: a}]", "sampling: {rays: 256}\nobjects:\n"
+                       "  - {name: port, box: {size_m: [1, 1, 1]}, position_m: [4, 15, 12]}\n"
+                       "  - {name: starboard, box: {size_m: [1, 1, 1]}, position_m: [-4, 15, 12]}\n"
+                       "  - {name: again, box: {size_m: [0.9, 0.9, 1]}, position_m: [4, 15, 12]}");
+    step(v, 1);
+    draw(v);
+    assert_true(is_written("port") && is_written("starboard") && !is_written("again"));
+    /* Each stands above the middle of its object's top, 6 pixels in a window of 1280 and half as many in one of 640. */
+    static const struct {
+        const char *name;
+        asdic_vec3 top_m;
+    } tops[] = {{"port", {4, 15, 11.5}}, {"starboard", {-4, 15, 11.5}}};
+    for (size_t i = 0; i < 2; i++) {
+        double x, y, far_m;
+        assert_true(asdic_camera_project(v->camera, tops[i].top_m, &x, &y, &far_m));
+        const struct word *w = words;
+        while (strcmp(w->text, tops[i].name) != 0) {
+            w++;
+        }
+        assert_close(w->x, v->layout.chase.x + x, 1.5);
+        assert_close(w->y, v->layout.chase.y + y - 3.0 - 3.0, 3.0); /* half the letters' height */
+    }
+    close_view(v);
+}
+
+/* What the camera sees fills its panel, but for what is drawn over it. */
+static void the_camera_fills_its_panel(void **state) {
+    (void)state;
+    asdic_view *v = open_view("[{name: a}]", "sampling: {rays: 256}");
+    step(v, 4);
+    draw(v);
+    const asdic_box box = v->layout.chase;
+    const size_t width = (size_t)box.w, height = (size_t)box.h;
+    const uint32_t *seen = asdic_camera_rgb(v->camera);
+    asdic_view_image frame = asdic_view_get_frame(v);
+    size_t others = 0, coloured = 0;
+    for (size_t y = 0; y < height; y++) {
+        const uint32_t *row = frame.rgb + ((size_t)box.y + y) * frame.stride + (size_t)box.x;
+        for (size_t x = 0; x < width; x++) {
+            others += ((row[x] ^ seen[y * width + x]) & 0xffffffu) != 0;
+            coloured += seen[y * width + x] != seen[0];
+        }
+    }
+    assert_true(others < width * height / 50 && coloured > width * height / 2);
+    close_view(v);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(beams_are_cones),
+        cmocka_unit_test(what_moves_is_shown),
+        cmocka_unit_test(points_are_on_the_map),
+        cmocka_unit_test(wide_fans_are_seen_whole),
+        cmocka_unit_test(the_camera_stays_in_the_water),
+        cmocka_unit_test(the_vehicle_is_as_large_as_the_window),
+        cmocka_unit_test(the_map_is_to_scale),
+        cmocka_unit_test(the_map_knows_a_flat_floor),
+        cmocka_unit_test(a_trail_lies_behind_the_vehicle),
+        cmocka_unit_test(names_keep_clear_of_names),
+        cmocka_unit_test(the_camera_fills_its_panel),
+    };
+    t = test_device_open_or_skip();
+    int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    test_device_close(&t);
+    return failed;
+}
