@@ -11,6 +11,8 @@
  */
 #include "asserts.h"
 
+#include "base/sort.h"
+
 #include <asdic/asdic.h>
 
 #include <math.h>
@@ -302,11 +304,6 @@ static void compute(unsigned long long slips, double out[COMPONENTS][BINS]) {
 
 /* ---- the table -------------------------------------------------------------------------- */
 
-static int ascending(const void *a, const void *b) {
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* Median, least and largest change over the bins that hold energy, dB. */
 static void change(const double *right, const double *wrong, double found[3]) {
     double d[BINS];
@@ -316,7 +313,7 @@ static void change(const double *right, const double *wrong, double found[3]) {
             d[count++] = 10.0 * log10(wrong[n] / right[n]);
         }
     }
-    qsort(d, count, sizeof *d, ascending);
+    asdic_sort_doubles(d, count);
     found[0] = 0.5 * (d[(count - 1) / 2] + d[count / 2]);
     found[1] = d[0];
     found[2] = d[count - 1];

@@ -1,6 +1,8 @@
 /* Statistics of coherent pings: level, contrast and law of speckle, what elements, beams and pings share. */
 #include "coherent_rig.h"
 
+#include "base/sort.h"
+
 static test_device t;
 static bool full; /* as many samples as the goals of docs/coherent.md ask for */
 
@@ -131,11 +133,6 @@ static ping_rig sand_rig(void) {
     return r;
 }
 
-static int compare(const void *a, const void *b) {
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* Intensities over their mean at that range: exponential, of contrast 1. */
 static void speckle_is_rayleigh(void **state) {
     (void)state;
@@ -178,7 +175,7 @@ static void speckle_is_rayleigh(void **state) {
         }
     }
     double contrast = sqrt(squares / (double)count - 1.0);
-    qsort(x, count, sizeof *x, compare);
+    asdic_sort_doubles(x, count);
     for (size_t i = 0; i < count; i++) {
         most = fmax(most, fabs(1.0 - exp(-x[i]) - ((double)i + 0.5) / (double)count));
     }

@@ -3,14 +3,10 @@
 #include "test_context.h"
 
 #include "base/quadrature.h"
+#include "base/sort.h"
 #include "detect/law.h"
 
 #include <stdlib.h>
-
-static int ascending(const void *a, const void *b) {
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
 
 static size_t integrals; /* so many were asked for */
 
@@ -42,7 +38,7 @@ static asdic_estimate count_alarms(const scheme *s, double factor, asdic_target 
             estimate += window[k] / s->count;
         }
         if (s->kind == ASDIC_CFAR_OS) {
-            qsort(window, s->count, sizeof *window, ascending);
+            asdic_sort_doubles(window, s->count);
             estimate = window[s->rank - 1];
         }
         events += cell > factor * estimate;
@@ -227,7 +223,7 @@ static unsigned window_round(const asdic_cfar *cfar, const double *z, int bins, 
             near[count++] = z[k];
         }
     }
-    qsort(near, count, sizeof *near, ascending);
+    asdic_sort_doubles(near, count);
     return count;
 }
 

@@ -4,6 +4,7 @@
  */
 #include "scene_text.h"
 
+#include "base/sort.h"
 #include "mission/scene_file/scene_draw.h"
 #include "mission/scene_file/scene_keys.h"
 #include "mission/scene_file/yaml_print.h"
@@ -88,11 +89,6 @@ static double number_by(const char *draws, uint64_t run) {
     return value;
 }
 
-static int compare(const void *a, const void *b) {
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* Kolmogorov and Smirnov: the largest distance between the sample's distribution and CDF, times the
  * root of the size, exceeds 1.95 in one of a thousand samples. */
 static void check_distribution(const char *draws, double (*cdf)(double)) {
@@ -101,7 +97,7 @@ static void check_distribution(const char *draws, double (*cdf)(double)) {
     for (uint64_t i = 0; i < RUNS; i++) {
         values[i] = number_by(draws, i);
     }
-    qsort(values, RUNS, sizeof *values, compare);
+    asdic_sort_doubles(values, RUNS);
     for (size_t i = 0; i < RUNS; i++) {
         worst = fmax(worst, fabs(cdf(values[i]) - ((double)i + 0.5) / RUNS));
     }
