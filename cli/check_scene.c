@@ -178,7 +178,7 @@ asdic_status check_scene(cli *c, const char *path, json *j) {
         print_json(path, mission, &numbers, j);
     } else {
         print_text(path, mission, &numbers);
-        cli_remark(c, path, mission);
+        cli_remark(c, path, mission, false);
         cli_remark_csv(c, path, mission);
     }
     asdic_mission_destroy(&mission);

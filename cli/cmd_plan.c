@@ -222,7 +222,7 @@ static asdic_status show(cli *c, asdic_mission *mission) {
         TRY(status);
     }
     if (!cli_given(c, "json")) {
-        cli_remark(c, cli_operand(c, 0), mission);
+        cli_remark(c, cli_operand(c, 0), mission, false);
         cli_remark_csv(c, cli_operand(c, 0), mission);
     }
     (cli_given(c, "json") ? print_json : print_text)(mission, &plan, &refraction, &f);

@@ -256,7 +256,7 @@ static int run_alone_or_in(cli *c, asdic_team *team) {
     if (!cli_refract(c, mission)) {
         goto done;
     }
-    cli_remark(c, r.scene, mission);
+    cli_remark(c, r.scene, mission, true);
     if (!choose_pings(c, &r, asdic_mission_ping_count(mission), &options)) {
         goto done;
     }

@@ -2,9 +2,9 @@
 
 #include <math.h>
 
-void cli_remark(const cli *c, const char *path, const asdic_mission *mission) {
+void cli_remark(const cli *c, const char *path, const asdic_mission *mission, bool will_run) {
     asdic_remarks remarks = asdic_mission_remarks(mission);
-    for (size_t i = 0; i < remarks.count; i++) {
+    for (size_t i = 0; i < remarks.count - (will_run && remarks.lacks_format); i++) {
         cli_note(c, "%s: remark: %s", path, remarks.text[i]);
     }
 }

@@ -8,8 +8,9 @@
 #include "cli.h"
 #include "json.h"
 
-/* A line each on standard error, unless --quiet was given; PATH names the scene. */
-void cli_remark(const cli *c, const char *path, const asdic_mission *mission);
+/* A line each on standard error, unless --quiet was given; PATH names the scene. WILL_RUN: what no
+ * run begins with is left to its error. */
+void cli_remark(const cli *c, const char *path, const asdic_mission *mission, bool will_run);
 
 /* "remarks": [...] */
 void cli_json_remarks(json *j, const asdic_mission *mission);

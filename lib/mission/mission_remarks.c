@@ -231,7 +231,8 @@ asdic_remarks asdic_mission_remarks(const asdic_mission *mission) {
     remark_on_motion(mission, speed_mps, &rest);
     remark_on_sonar(&mission->settings, speed_mps, &rest);
     if (rest.count < ASDIC_MOST_REMARKS) {
-        rest.count += asdic_settings_lack(&mission->settings, rest.text[rest.count]);
+        out.lacks_format = asdic_settings_lack(&mission->settings, rest.text[rest.count]);
+        rest.count += out.lacks_format;
     }
     append(&out, &rest);
     return out;

@@ -210,6 +210,7 @@ ASDIC_API asdic_status asdic_mission_write_track(asdic_context *ctx, const asdic
 #define ASDIC_REMARK_SIZE 256
 typedef struct asdic_remarks {
     size_t count;
+    bool lacks_format; /* the last is what asdic_mission_run fails with */
     char text[ASDIC_MOST_REMARKS][ASDIC_REMARK_SIZE];
 } asdic_remarks;
 ASDIC_API asdic_remarks asdic_mission_remarks(const asdic_mission *mission);
