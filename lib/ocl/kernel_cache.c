@@ -13,6 +13,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+/* Bytes of a path that are shown where it is too long to be one. */
+#define SHOWN 60
+
 /* A variable that is set and not empty, else NULL. */
 static const char *variable(const char *name) {
     const char *value = getenv(name);
@@ -29,27 +32,28 @@ bool asdic_cache_folder(char path[ASDIC_CACHE_SIZE]) {
     return folder && snprintf(path, ASDIC_CACHE_SIZE, "%s%s", folder, below) < ASDIC_CACHE_SIZE;
 }
 
-/* Makes PATH with all folders above it; 0, or errno where it cannot be written to. */
-static int make_writable(char *path) {
-    int first = 0;
-    for (char *slash = strchr(path + 1, '/'); slash; slash = strchr(slash + 1, '/')) {
-        *slash = '\0';
-        bool made = mkdir(path, 0777) == 0 || errno == EEXIST;
-        first = made || first ? first : errno;
-        *slash = '/';
+/* 0, or why PATH can neither be written to nor be made. */
+static int refusal_of(const char *path) {
+    char there[ASDIC_CACHE_SIZE + 2], *slash; /* as much of it as there is */
+    struct stat s;
+    snprintf(there, sizeof there, "%s%s", *path == '/' ? "" : "./", path);
+    while (lstat(there, &s) != 0 && errno == ENOENT && (slash = strrchr(there, '/'))) {
+        slash[slash == there] = '\0';
     }
-    if (mkdir(path, 0777) != 0 && errno != EEXIST) {
-        return first ? first : errno;
-    }
-    return access(path, W_OK | X_OK) == 0 ? 0 : errno;
+    return access(there, W_OK | X_OK) == 0 ? 0 : errno;
 }
 
 const char *asdic_cache_refusal(char path[ASDIC_CACHE_SIZE]) {
-    if (!asdic_cache_folder(path)) { /* PoCL takes one below /tmp that all users share */
+    *path = '\0';
+    bool is_known = asdic_cache_folder(path);
+    if (*path == '\0') { /* PoCL takes one below /tmp that all users share */
         snprintf(path, ASDIC_CACHE_SIZE, "~/.cache/pocl/kcache");
         return "HOME is not set";
     }
-    int error = make_writable(path);
+    if (!is_known) {
+        snprintf(path + SHOWN, ASDIC_CACHE_SIZE - SHOWN, "...");
+    }
+    int error = is_known ? refusal_of(path) : ENAMETOOLONG;
     return error ? strerror(error) : NULL;
 }
 

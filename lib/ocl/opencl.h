@@ -58,10 +58,11 @@ const char *asdic_cl_error_text(cl_int code, char text[64]);
 /* A call that failed while working: memory or a lost device. WHAT completes "device 'x': cannot". */
 asdic_status asdic_cl_fail(const asdic_device *device, cl_int code, const char *what);
 
-/* The folder in which PoCL keeps what it compiled, by the environment; false: it has none. */
+/* The folder in which PoCL keeps what it compiled, by the environment; false: it has none, or its
+ * path is too long. */
 #define ASDIC_CACHE_SIZE 4096
 bool asdic_cache_folder(char path[ASDIC_CACHE_SIZE]);
-/* Makes it; NULL, or why it cannot be written to. */
+/* NULL, or why it can neither be written to nor be made. */
 const char *asdic_cache_refusal(char path[ASDIC_CACHE_SIZE]);
 
 /* PoCL 3.1 replaces a program in its cache by removing and renaming, without a lock: of processes

@@ -171,6 +171,7 @@ def test_kernel_cache_that_cannot_be_written():
         places = (({"HOME": closed, "XDG_CACHE_HOME": None, "POCL_CACHE_DIR": None}, "Permission denied"),
                   ({"XDG_CACHE_HOME": closed, "POCL_CACHE_DIR": None}, "Permission denied"),
                   ({"POCL_CACHE_DIR": closed}, "Permission denied"),
+                  ({"HOME": "/" + 4096 * "h", "XDG_CACHE_HOME": None, "POCL_CACHE_DIR": None}, "File name too long"),
                   ({"HOME": None, "XDG_CACHE_HOME": None, "POCL_CACHE_DIR": None}, "HOME is not set"))
         try:
             for place, why in places:
@@ -192,6 +193,15 @@ def test_kernel_cache_that_cannot_be_written():
                          "directory); else install a driver")
         finally:
             os.chmod(closed, 0o755)
+
+
+def test_what_may_be_missing_makes_no_kernel_cache():
+    """Where there is no driver nothing is compiled, and saying what is missing leaves no folder."""
+    with Folder() as folder:
+        done = asdic("devices", HOME=folder.path, XDG_CACHE_HOME=None, POCL_CACHE_DIR=None,
+                     OCL_ICD_VENDORS=folder.path).check(code=4)
+        tap.contains(done.err, "install a driver")
+        tap.equal(os.listdir(folder.path), [], "what was made")
 
 
 def test_mesh_that_vanishes():
