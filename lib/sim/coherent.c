@@ -393,8 +393,8 @@ static void sum_looks(const asdic_simulator *sim, const asdic_coherent *c, doubl
     for (int k = 0; k < ASDIC_COMPONENT_COUNT; k++) {
         memset(out->intensity_lin[k], 0, cells * sizeof(double));
     }
-    memset(out->stderr_db, 0, cells * sizeof *out->stderr_db);
     for (size_t cell = 0; cell < cells; cell++) {
+        out->stderr_db[cell] = NAN; /* none is known */
         const float *y = c->heard + 2 * looks * cell;
         double sum = 0.0;
         for (size_t k = 0; k < looks; k++) {

@@ -154,6 +154,7 @@ def test_a_blank_or_coherent_ping_has_the_error_of_its_run():
             asdic("run", path, "-q", "--force", "-o", folder / "run").check(code=0)
             found = json.loads(asdic("plan", path, "--json").check(code=0).out)["forecast"]
             said = json.loads(folder.read("run/run.json"))["stderr_db"]
+            tap.equal(set(said.values()) == {None}, "coherent" in text, f"none is stated: {said}")
             for name, value in said.items():
                 error = found[f"stderr_{name}_db"]
                 tap.equal(error if error is None else float(f"{error:.4g}"), value, f"{name} of {text}")

@@ -99,7 +99,8 @@ typedef struct asdic_ping {
     size_t beams, bins;
     double bin_length_m;
     double *intensity_lin[ASDIC_COMPONENT_COUNT];
-    float *stderr_db;   /* one standard error of the total's sampling, dB, [beam * bins + bin] */
+    float *stderr_db;   /* one standard error of the total's sampling, dB, [beam * bins + bin]; NAN
+                           of a coherent ping */
     uint64_t rays;      /* primary and secondary rays traced */
     uint64_t saturated; /* deposits cut to the accumulator's range; 0 in any sane scene */
     /* Of a coherent ping, after asdic_ping_add_elements; else 0 and NULL. Baseband pressure re

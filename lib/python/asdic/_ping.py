@@ -133,7 +133,7 @@ class Ping:
 
     @functools.cached_property
     def stderr_db(self) -> np.ndarray:
-        """One standard error of the level's sampling, dB."""
+        """One standard error of the level's sampling, dB; NAN of a coherent ping."""
         errors: np.ndarray = self._memory[HEAD + len(COMPONENTS) * math.prod(self._shape):].view(np.float32)
         return errors[:math.prod(self._shape)].reshape(self._shape)
 
