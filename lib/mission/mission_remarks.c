@@ -4,8 +4,6 @@
  */
 #include "mission.h"
 
-#include <asdic/scan.h>
-
 #include "../../kernels/formulas.h"
 #include "scene/scene.h"
 #include "sim/model_table.h"
@@ -81,21 +79,6 @@ static void remark_rays(const asdic_mission *m, asdic_remarks *out) {
 /* Bins in a cell of the range resolution: of more a bin holds so little of an echo that it is to be said. */
 #define MOST_BINS 2.0
 
-/* Where a transmitter sends less than this, re its axis, it was hardly meant to be heard. */
-#define LEAST_SENT 0.01
-
-/* Receivers whose axes lie where next to nothing is sent. */
-static size_t receivers_in_the_dark(const asdic_sonar *sonar, double wavelength_m) {
-    asdic_pose level = {0};
-    asdic_face transmitter = asdic_face_aim(&sonar->transmitter, &level, wavelength_m);
-    size_t count = 0;
-    for (size_t i = 0; i < sonar->receiver_count; i++) {
-        asdic_vec3 axis = asdic_beam_axis(&sonar->receivers[i], &level);
-        count += asdic_face_gain(&transmitter, axis, 0.0) < LEAST_SENT;
-    }
-    return count;
-}
-
 /* Adds what of SETTINGS is hardly meant, or forgotten. */
 static void remark_on_sonar(const asdic_settings *settings, double speed_mps, asdic_remarks *out) {
     const asdic_sonar *sonar = &settings->sonar;
@@ -109,7 +92,7 @@ static void remark_on_sonar(const asdic_settings *settings, double speed_mps, as
             1e-3 * sonar->bandwidth_hz);
     }
     double wavelength_m = speed_mps / sonar->frequency_hz;
-    size_t dark = receivers_in_the_dark(sonar, wavelength_m);
+    size_t dark = asdic_receivers_in_the_dark(sonar, wavelength_m);
     if (out->count < ASDIC_MOST_REMARKS && 2 * dark > sonar->receiver_count) {
         snprintf(out->text[out->count++], ASDIC_REMARK_SIZE,
                  "sonar: %zu of %zu receivers look where 'transmitter' sends less than a hundredth "

@@ -40,6 +40,21 @@ double asdic_face_gain(const asdic_face *face, asdic_vec3 towards, double rear_l
            beam_pattern_lin(v.x, v.y, v.z, face->length_h_wl, face->length_v_wl, rear_lin);
 }
 
+/* Re the transmitter's axis. */
+#define LEAST_SENT 0.01
+
+size_t asdic_receivers_in_the_dark(const asdic_sonar *sonar, double wavelength_m) {
+    asdic_pose level = {0};
+    asdic_face transmitter = asdic_face_aim(&sonar->transmitter, &level, wavelength_m);
+    size_t count = 0;
+    for (size_t i = 0; i < sonar->receiver_count; i++) {
+        asdic_mat3 m = asdic_face_mount(&sonar->receivers[i]);
+        asdic_vec3 axis = {m.m[0][0], m.m[1][0], m.m[2][0]};
+        count += asdic_face_gain(&transmitter, axis, 0.0) < LEAST_SENT;
+    }
+    return count;
+}
+
 /* Azimuths at which the face's edge crosses the ring: cos(phi - middle) = -offset / reach. Returns
  * 0 or 2. */
 static size_t crossings(const asdic_face *face, double sin_e, double cos_e, double out[2]) {

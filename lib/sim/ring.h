@@ -29,6 +29,10 @@ asdic_face asdic_face_aim(const asdic_beam *beam, const asdic_pose *pose, double
 /* One-way gain in the direction of a unit vector of the world; behind the face REAR_LIN times that. */
 double asdic_face_gain(const asdic_face *face, asdic_vec3 towards, double rear_lin);
 
+/* Receivers whose axes lie where the transmitter sends next to nothing: it was hardly meant to be
+ * heard there. */
+size_t asdic_receivers_in_the_dark(const asdic_sonar *sonar, double wavelength_m);
+
 typedef struct asdic_ring {
     asdic_face transmitter, receiver;
     double rear_lin; /* one-way gain behind a face */

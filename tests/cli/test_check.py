@@ -536,10 +536,10 @@ def test_laws_beyond_their_sources_are_remarked_once():
                                      "'t_degc' = 36 not in [-2, 22]"])
         asdic("check", os.path.join(at, "within.yaml")).check(code=0, err="")
         need_device()
-        done = asdic("run", scene, "--rays", "1000", "-o", os.path.join(at, "out")).check(code=0)
+        done = asdic("run", scene, "--rays", "4000", "-o", os.path.join(at, "out")).check(code=0)
         tap.equal(done.err.startswith(lines), True, "remarks come first")
         tap.equal(done.err.count("remark"), 3)
-        asdic("run", "-q", "--force", scene, "--rays", "1000", "-o", os.path.join(at, "out")).check(0, "", "")
+        asdic("run", "-q", "--force", scene, "--rays", "4000", "-o", os.path.join(at, "out")).check(0, "", "")
         with open(os.path.join(at, "out", "run.json"), encoding="utf-8") as file:
             tap.equal(json.load(file)["remarks"], expected)
         asdic("merge", "-q", os.path.join(at, "out"), "-o", os.path.join(at, "all")).check(0, "", "")

@@ -71,13 +71,21 @@ static void beams_alike_count_once(void **state) {
     }
 }
 
-/* Up to eight beams get rays of their own. */
+/* Up to eight beams get rays of their own: side by side, as far as the transmitter is heard, or one above the other. */
 static void beams_apart_count_each(void **state) {
     (void)state;
-    assert_int_equal(rays_of(4, 120.0, 0.0, 250.0, ASDIC_OVER_PLANES), 40000);
-    assert_int_equal(rays_of(8, 120.0, 0.0, 250.0, ASDIC_OVER_PLANES), 80000);
-    assert_int_equal(rays_of(4, 0.0, 40.0, 500.0, ASDIC_OVER_PLANES),
-                     80000); /* one above the other */
+    assert_int_equal(rays_of(4, 4.2, 0.0, 250.0, ASDIC_OVER_PLANES), 40000);
+    assert_int_equal(rays_of(4, 0.0, 15.5, 500.0, ASDIC_OVER_PLANES), 80000);
+}
+
+/* Where one of them looks past the transmitter's lobe, each takes five times as many. */
+static void beams_past_the_transmitter_ask_for_more(void **state) {
+    (void)state;
+    assert_int_equal(rays_of(4, 120.0, 0.0, 250.0, ASDIC_OVER_PLANES), 200000);
+    assert_int_equal(rays_of(8, 120.0, 0.0, 250.0, ASDIC_OVER_PLANES), 400000);
+    assert_int_equal(rays_of(4, 0.0, 40.0, 250.0, ASDIC_OVER_PLANES), 200000);
+    assert_int_equal(rays_of(2, 4.6, 0.0, 250.0, ASDIC_OVER_PLANES), 100000); /* in its null */
+    assert_int_equal(rays_of(8, 120.0, 0.0, 125.0, ASDIC_OVER_MIRRORS), 200000);
 }
 
 /* More share those of a sector, and what lies between them counts with them; one above the other they do not. */
@@ -105,7 +113,7 @@ static void limits(void **state) {
 
 static void mirrors_ask_for_twice_as_many(void **state) {
     (void)state;
-    assert_int_equal(rays_of(8, 120.0, 0.0, 125.0, ASDIC_OVER_MIRRORS), 80000);
+    assert_int_equal(rays_of(4, 4.2, 0.0, 250.0, ASDIC_OVER_MIRRORS), 80000);
 }
 
 static void meshes_ask_for_more(void **state) {
@@ -193,7 +201,7 @@ static void few_beams_under_a_wide_transmitter_ask_for_more(void **state) {
     for (size_t i = 0; i < 16; i++) {
         beams[i] = sonar.transmitter;
         beams[i].length_h_m = BEAM_M;
-        beams[i].yaw_rad = 0.1 * (double)(i / 2);
+        beams[i].yaw_rad = 0.018 * ((double)(i / 2) - 3.0); /* a width apart */
     }
     static const struct {
         size_t beams;
@@ -218,8 +226,8 @@ static void few_beams_under_a_wide_transmitter_ask_for_more(void **state) {
     sonar.transmitter.length_h_m = 0.05;
     sonar.receiver_count = 16; /* eight ways */
     assert_int_equal(asdic_rays_auto(&sonar, SPEED, ASDIC_OVER_PLANES), 80000);
-    beams[15].yaw_rad =
-        1.0; /* nine: 4 rays a cell, of a sector 57 degrees wide and an eighth more */
+    /* Nine: 4 rays a cell, of a sector 57 degrees wide and an eighth more. */
+    beams[15].yaw_rad = 0.946;
     assert_in_range(asdic_rays_auto(&sonar, SPEED, ASDIC_OVER_PLANES), 120000, 135000);
 }
 
@@ -256,6 +264,7 @@ int main(void) {
         cmocka_unit_test(overlap_asks_for_nothing),
         cmocka_unit_test(beams_alike_count_once),
         cmocka_unit_test(beams_apart_count_each),
+        cmocka_unit_test(beams_past_the_transmitter_ask_for_more),
         cmocka_unit_test(gaps_in_a_sector_count),
         cmocka_unit_test(range_counts),
         cmocka_unit_test(limits),

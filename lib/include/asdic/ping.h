@@ -78,7 +78,8 @@ ASDIC_API uint32_t asdic_rays_auto(const asdic_sonar *sonar, double sound_speed_
                                    asdic_rays_over over);
 
 /* The stated error to expect of RAYS a ping, dB r.m.s. in bins above the noise, by the same cells:
- * mostly good to a factor of 2, without simulating anything; 6.5 dB at most. */
+ * of sonars like those of data mostly good to a factor of 2, of others of 5, without simulating
+ * anything; 6.5 dB at most. */
 ASDIC_API double asdic_rays_error_db(const asdic_sonar *sonar, double sound_speed_mps,
                                      asdic_rays_over over, uint32_t rays);
 
