@@ -12,6 +12,7 @@
 #include "mission/scene_file/scene_draw.h"
 #include "mission/scene_file/scene_keys.h"
 #include "mission/scene_file/yaml_print.h"
+#include "sim/array.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -64,8 +65,30 @@ static void check_message_times(const mission_builder *b) {
     }
 }
 
+/* Beams of an array are apertures about as long as it. */
+static void check_array(mission_builder *b) {
+    const asdic_sonar *sonar = &b->mission->settings.sonar;
+    const file_array *array = &b->file->sonar.array;
+    asdic_yaml_node *spacing = asdic_yaml_child(array->node, "spacing_wl");
+    double off_m = fmax(sonar->array.element.length_h_m, ASDIC_LEAST_LENGTH_M);
+    if (!array->node || b->problems->total > 0) {
+        return;
+    }
+    for (size_t i = 0; i < sonar->receiver_count && asdic_is_length(off_m); i++) {
+        off_m = sonar->receivers[i].length_h_m;
+    }
+    if (!asdic_is_length(off_m)) {
+        asdic_yaml_problem(
+            b->problems, spacing ? spacing : array->node,
+            "'spacing_wl' = %.15g makes an aperture of %.4g m, which is out of range "
+            "[%g, %g] m; change it, 'elements' or 'frequency_khz'",
+            array->spacing_wl, off_m, ASDIC_LEAST_LENGTH_M, ASDIC_MOST_LENGTH_M);
+    }
+}
+
 static asdic_status build(mission_builder *b) {
     TRY(asdic_settings_take(b->ctx, b->file, &b->mission->settings));
+    check_array(b);
     b->mission->pose = asdic_scene_file_pose(b->file);
     TRY(asdic_mission_build_tracks(b));
     TRY(b->mission->base ? asdic_mission_borrow_scene(b) : asdic_mission_build_scene(b));

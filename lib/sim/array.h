@@ -6,6 +6,14 @@
 
 #include <asdic/sonar.h>
 
+/* Sides of apertures. */
+#define ASDIC_LEAST_LENGTH_M 1e-4
+#define ASDIC_MOST_LENGTH_M 100.0
+
+static inline bool asdic_is_length(double side_m) {
+    return side_m >= ASDIC_LEAST_LENGTH_M && side_m <= ASDIC_MOST_LENGTH_M;
+}
+
 /* Of the angle that BEAM is steered by from the array's front, to starboard. */
 double asdic_array_sine(const asdic_array *array, const asdic_beam *beam);
 

@@ -3,13 +3,13 @@
 #include "base/context.h"
 #include "base/try.h"
 #include "base/vec.h"
+#include "array.h"
 #include "environment.h"
 #include "laws/keys.h"
 #include "texture.h"
 
 #include "../../kernels/water.h"
 
-#define LEAST_LENGTH_M 1e-4
 /* Below a hundredth of the shortest wavelength. An element may be as short as its array's spacing. */
 #define LEAST_SPACING_M 1e-6
 #define MOST_SPACING_WL 20.0
@@ -58,8 +58,8 @@ static asdic_status check_beam(asdic_context *ctx, const asdic_beam *beam, doubl
         {"pitch_rad", "rad", beam->pitch_rad, -turn, turn},
         {"yaw_rad", "rad", beam->yaw_rad, -turn, turn},
         {"roll_rad", "rad", beam->roll_rad, -turn, turn},
-        {"length_h_m", "m", beam->length_h_m, least_m, 100.0},
-        {"length_v_m", "m", beam->length_v_m, least_m, 100.0},
+        {"length_h_m", "m", beam->length_h_m, least_m, ASDIC_MOST_LENGTH_M},
+        {"length_v_m", "m", beam->length_v_m, least_m, ASDIC_MOST_LENGTH_M},
         {"sensitivity_db", "dB", beam->sensitivity_db, -300.0, 0.0},
     };
     return check_fields(ctx, beam->name, fields, sizeof fields / sizeof *fields);
@@ -134,12 +134,12 @@ asdic_status asdic_sonar_check(asdic_context *ctx, const asdic_sonar *sonar) {
         TRY(check_fields(ctx, "", &shape, 1));
     }
     TRY(check_array(ctx, &sonar->array, sonar->frequency_hz));
-    TRY(check_beam(ctx, &sonar->transmitter, LEAST_LENGTH_M));
+    TRY(check_beam(ctx, &sonar->transmitter, ASDIC_LEAST_LENGTH_M));
     if (!sonar->receivers) {
         return asdic_fail_null(ctx, __func__);
     }
     for (size_t i = 0; i < sonar->receiver_count; i++) {
-        TRY(check_beam(ctx, &sonar->receivers[i], LEAST_LENGTH_M));
+        TRY(check_beam(ctx, &sonar->receivers[i], ASDIC_LEAST_LENGTH_M));
     }
     return ASDIC_OK;
 }

@@ -173,6 +173,20 @@ def test_errors_are_one_each():
             tap.contains(done.err, "use fewer rays")
 
 
+def test_arrays_are_as_long_as_a_run_takes():
+    """Whatever check says: elements of 120 m, beams of 1.3 km though elements are short, beams of 20 micrometres."""
+    with Folder() as folder:
+        for khz, array, said in ((0.1, "elements: 8, spacing_wl: 8", 120),
+                                 (0.1, "elements: 100, spacing_wl: 1, element: {length_h_m: 5}", 1340),
+                                 (3000, "elements: 2, spacing_wl: 0.02", 1.787e-05)):
+            path = folder.write("array.yaml", SCENE.replace("frequency_khz: 100", f"frequency_khz: {khz}").replace(
+                "bandwidth_khz: 10", "bandwidth_khz: 0.1").replace(
+                "elements: 13, shading: hann, element: {length_v_m: 0.05}", array))
+            for command in (["check"], ["run", "-o", folder / "r"]):
+                tap.contains(asdic(*command, path).check(code=3).err, f"makes an aperture of {said:.4g} m, which is out "
+                             "of range [0.0001, 100] m; change it, 'elements' or 'frequency_khz'  [sonar.array.spacing_wl]\n")
+
+
 def test_detections_are_held_against_the_scene_by_intensities():
     """Coherent pings state no parts; those of the same scene by intensities say what is in a bin."""
     program.need_device()
