@@ -40,4 +40,8 @@ double asdic_water_column_volume(const asdic_water_column *water, double bin_m, 
 /* What a cubic metre of water scatters back, 1/m. */
 double asdic_volume_strength_lin(const asdic_environment *env, const asdic_sonar *sonar);
 
+/* That SONAR has no more bins than it may in such water. */
+asdic_status asdic_sonar_check_bins(asdic_context *ctx, const asdic_sonar *sonar,
+                                    double sound_speed_mps);
+
 #endif

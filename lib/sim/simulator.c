@@ -489,6 +489,7 @@ static asdic_status plan_bend(asdic_simulator *sim, double depth_m) {
 /* Everything of SIM that follows from its setup, for a sonar in WATER. */
 static asdic_status furnish(asdic_simulator *sim, const asdic_water_column *water) {
     const asdic_scene *scene = sim->setup.scene;
+    TRY(asdic_sonar_check_bins(sim->ctx, &sim->setup.sonar, water->sound_speed_mps));
     plan_work(sim, water);
     TRY(bring_scene(sim, water));
     sim->setup.ping_batch = ping_batch_size(sim);

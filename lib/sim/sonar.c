@@ -88,6 +88,17 @@ static asdic_status check_array(asdic_context *ctx, const asdic_array *a, double
     return ASDIC_OK;
 }
 
+asdic_status asdic_sonar_check_bins(asdic_context *ctx, const asdic_sonar *sonar,
+                                    double sound_speed_mps) {
+    size_t bins = asdic_sonar_bin_count(sonar, sound_speed_mps);
+    return bins <= ASDIC_SONAR_MAX_BINS
+               ? ASDIC_OK
+               : asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                            "sonar: %zu bins, more than %d; lengthen bin_length_m, lower "
+                            "max_range_m or raise ping_rate_hz",
+                            bins, ASDIC_SONAR_MAX_BINS);
+}
+
 asdic_status asdic_sonar_check(asdic_context *ctx, const asdic_sonar *sonar) {
     if (!sonar) {
         return asdic_fail_null(ctx, __func__);
@@ -107,13 +118,7 @@ asdic_status asdic_sonar_check(asdic_context *ctx, const asdic_sonar *sonar) {
                           sonar->max_range_m);
     }
     /* In the slowest water, where a range holds fewest: what is within the limit in its own water is within it here. */
-    size_t bins = asdic_sonar_bin_count(sonar, ASDIC_SOUND_LEAST_MPS);
-    if (bins > ASDIC_SONAR_MAX_BINS) {
-        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
-                          "sonar: %zu bins, more than %d; lengthen bin_length_m, lower max_range_m "
-                          "or raise ping_rate_hz",
-                          bins, ASDIC_SONAR_MAX_BINS);
-    }
+    TRY(asdic_sonar_check_bins(ctx, sonar, ASDIC_SOUND_LEAST_MPS));
     if (!(sonar->rear_floor_db <= 0.0)) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
                           "sonar: 'rear_floor_db' = %g is above 0 dB re on-axis",

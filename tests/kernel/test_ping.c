@@ -429,6 +429,15 @@ static void wrong_use_is_refused(void **state) {
                       ASDIC_ERROR_ARGUMENT);
         assert_contains(asdic_context_error(t.ctx), "99");
     }
+    r.sampling = good;
+    r.sonar.ping_rate_hz = 1.0;
+    r.sonar.bin_length_m = 0.01; /* 65,000 bins in the slowest water */
+    assert_ok(t.ctx, asdic_sonar_check(t.ctx, &r.sonar));
+    assert_status(
+        t.ctx,
+        asdic_simulator_create(t.ctx, t.device, r.scene, &r.env, &r.sonar, &r.sampling, 7.0, &sim),
+        ASDIC_ERROR_ARGUMENT);
+    assert_contains(asdic_context_error(t.ctx), "bins, more than 65536");
     asdic_ping_destroy(&ping);
     rig_destroy(&r);
 }

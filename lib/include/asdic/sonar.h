@@ -86,7 +86,8 @@ typedef struct asdic_sonar {
  * fails. */
 ASDIC_API asdic_sonar asdic_sonar_default(void);
 
-/* Checks every field against its range; the error names field, value and limit. */
+/* Checks every field against its range; the error names field, value and limit. Bins are those in
+ * the slowest water; asdic_simulator_create counts them in its own. */
 ASDIC_API asdic_status asdic_sonar_check(asdic_context *ctx, const asdic_sonar *sonar);
 
 /* c / (2 ping_rate), or max_range_m where that is less, m; and the number of whole bins within it
