@@ -66,7 +66,11 @@ asdic_status __wrap_asdic_simulator_learn(asdic_simulator *sim, const asdic_pose
 
 /* Levels that tell ping, beam, bin and what was learnt. */
 static asdic_status fake_ping(asdic_simulator *sim, uint64_t index, asdic_ping *ping) {
+    while (sim->device->after && !sim->device->after->is_lost) {
+        usleep(50);
+    }
     if (sim->device->pings == sim->device->fails_after) {
+        sim->device->is_lost = true;
         return ASDIC_ERROR_DEVICE_LOST;
     }
     sim->device->pings++;

@@ -11,6 +11,7 @@
 
 #include <asdic/asdic.h>
 
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -21,6 +22,8 @@ struct asdic_device {
     asdic_device_info info;
     bool refuses;                 /* to create a simulator */
     size_t fails_after;           /* pings */
+    atomic_bool is_lost;          /* it failed */
+    struct asdic_device *after;   /* pings begin when that one is lost; NULL: at once */
     size_t together;              /* pings that it takes at once; 0: one */
     unsigned delay_us, saturated; /* a ping */
     size_t pings, learnt;         /* counted */

@@ -171,6 +171,8 @@ static void lost_devices_elsewhere_are_replaced(void **state) {
         p[2].f.devices[0].fails_after = 3;
         p[2].f.devices[1].fails_after = 40;
         p[0].f.devices[0].fails_after = k > 3 ? 5 : SIZE_MAX;
+        p[0].f.devices[0].after = p[0].f.devices[1].after = p[1].f.devices[0].after =
+            p[1].f.devices[1].after = p[2].f.devices[1].after = &p[2].f.devices[0];
         run_team(p);
         assert_int_equal(p[0].status, ASDIC_OK);
         assert_same_files("reference", name);
@@ -185,6 +187,10 @@ static void work_of_process_0_goes_on_elsewhere(void **state) {
     begin_team(p, "headless");
     p[0].f.devices[0].fails_after = p[0].f.devices[1].fails_after = 2;
     p[2].f.devices[0].fails_after = 8; /* when those are gone: told all the same */
+    p[0].f.devices[1].after = &p[0].f.devices[0];
+    p[2].f.devices[0].after = &p[0].f.devices[1];
+    p[1].f.devices[0].after = p[1].f.devices[1].after = p[2].f.devices[1].after =
+        &p[2].f.devices[0];
     run_team(p);
     assert_int_equal(p[0].status, ASDIC_OK);
     assert_int_equal(pings_of(&p[0]), 4);
