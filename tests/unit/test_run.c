@@ -5,6 +5,7 @@
 
 #include "base/clock.h"
 #include "de_locale.h"
+#include "mission/mission.h"
 #include "mission/run/run_elements.h"
 #include "mission/run/run_facts.h"
 #include "mission/run/run_files.h"
@@ -448,10 +449,28 @@ static void full_disk_loses_nothing(void **state) {
 }
 
 /* At 0 dB the noise drowns the water's echoes, at 200 dB it does not. */
-static void choose_level(fixture *f, double source_level_db) {
-    asdic_choices choices = asdic_mission_get_choices(f->mission);
-    choices.source_level_db = source_level_db;
-    assert_int_equal(asdic_mission_choose(f->ctx, f->mission, &choices), ASDIC_OK);
+static void set_level(fixture *f, double source_level_db) {
+    f->mission->settings.sonar.source_level_db = source_level_db;
+}
+
+/* A run's folder keeps the file's text. Rays and seed are kept beside it. */
+static void what_the_text_does_not_say_is_not_run(void **state) {
+    (void)state;
+    for (int k = 0; k < 4; k++) {
+        fixture f;
+        begin(&f);
+        asdic_choices choices = asdic_mission_get_choices(f.mission);
+        choices.seed += k == 0;
+        choices.rays += k == 0;
+        choices.source_level_db += k == 1;
+        choices.wind_speed_kn += k == 2;
+        choices.bottom.value[0] += k == 3;
+        assert_ok(f.ctx, asdic_mission_choose(f.ctx, f.mission, &choices));
+        asdic_status status = run(&f, 1, asdic_run_options_default(), k ? "unsaid" : "said");
+        assert_int_equal(status, k ? ASDIC_ERROR_UNSUPPORTED : ASDIC_OK);
+        assert_int_equal(access(in_folder("unsaid"), F_OK), -1);
+        end(&f);
+    }
 }
 
 static void parts_join_to_the_whole(void **state) {
@@ -490,7 +509,7 @@ static void parts_join_to_the_whole(void **state) {
     assert_int_equal(asdic_run_merge(f.ctx, parts, 3, other, false), ASDIC_ERROR_INPUT);
     assert_non_null(strstr(asdic_context_error(f.ctx), "seed"));
     asdic_mission_sampling(f.mission)->seed = 1;
-    choose_level(&f, 200.0);
+    set_level(&f, 200.0);
     assert_int_equal(run(&f, 1, options, "c"), ASDIC_OK);
     assert_int_equal(asdic_run_merge(f.ctx, parts, 3, other, false), ASDIC_ERROR_INPUT);
     assert_non_null(strstr(asdic_context_error(f.ctx), "differ in their choice of terms"));
@@ -568,10 +587,10 @@ static void folders_are_not_overwritten(void **state) {
     assert_int_equal(run(&f, 1, resume, "reference"), ASDIC_ERROR_EXISTS);
     assert_non_null(strstr(asdic_context_error(f.ctx), "seed"));
     asdic_mission_sampling(f.mission)->seed = 1;
-    choose_level(&f, 200.0);
+    set_level(&f, 200.0);
     assert_int_equal(run(&f, 1, resume, "reference"), ASDIC_ERROR_EXISTS);
     assert_non_null(strstr(asdic_context_error(f.ctx), "another choice of terms"));
-    choose_level(&f, 0.0);
+    set_level(&f, 0.0);
     resume.count = 3;
     assert_int_equal(run(&f, 1, resume, "reference"), ASDIC_ERROR_EXISTS);
     asdic_run_options beyond = {.first = PINGS, .count = 1};
@@ -1091,6 +1110,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test(bad_records_are_named_and_made_again),
         cmocka_unit_test(complete_runs_are_checked),
         cmocka_unit_test(full_disk_loses_nothing),
+        cmocka_unit_test(what_the_text_does_not_say_is_not_run),
         cmocka_unit_test(parts_join_to_the_whole),
         cmocka_unit_test(sums_are_of_all_pings),
         cmocka_unit_test(folders_are_not_overwritten),
