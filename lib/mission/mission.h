@@ -68,14 +68,13 @@ asdic_status asdic_mission_load_trial(asdic_context *ctx, const char *path,
                                       const asdic_draw *draw, asdic_mission *donor,
                                       asdic_mission **out);
 
-/* asdic_mission_load_run of one of many runs, the first of which has its sonar at FIRST_DEPTH_M (NAN:
- * this is the first): an array of wavelengths is of one size in all. All objects of its scene can be
- * moved, and are to be before a ping, where stands_anywhere. Where one of the COUNT BASES, which may
- * be NULL and must live longer, differs from the run in places alone, the scene is that one's
- * (`base`). Remarks are left out. */
+/* asdic_mission_load_run of one of many runs. All objects of its scene can be moved, and are to be
+ * before a ping, where stands_anywhere. Where one of the COUNT BASES, which may be NULL and must live
+ * longer, differs from the run in places alone, the scene is that one's (`base`). Remarks are left
+ * out. */
 asdic_status asdic_mission_load_like(asdic_context *ctx, const char *path, const asdic_draw *draw,
-                                     double first_depth_m, const asdic_mission *const *bases,
-                                     size_t count, asdic_mission **out);
+                                     const asdic_mission *const *bases, size_t count,
+                                     asdic_mission **out);
 
 /* The bottom where it is a mesh or grid: the first object, which has no name. Else NULL. */
 const asdic_mission_object *asdic_mission_bottom_mesh(const asdic_mission *mission);

@@ -266,9 +266,6 @@ static asdic_status load(mission_builder *b, asdic_scene_file *file) {
     if (!asdic_scene_file_take(root, b->arena, b->problems, file)) {
         return asdic_fail_memory(b->ctx, "the scene file's content");
     }
-    if (b->many && file->mission.pose.node && !isnan(b->first_depth_m)) {
-        file->array_depth_m = fmax(b->first_depth_m, 0.0);
-    }
     TRY(keep_drawn(b, &drawn));
     if (b->many && root && b->problems->total == 0) {
         TRY(find_base(b, root));
@@ -374,14 +371,10 @@ asdic_status asdic_mission_load_run(asdic_context *ctx, const char *path,
 }
 
 asdic_status asdic_mission_load_like(asdic_context *ctx, const char *path, const asdic_draw *draw,
-                                     double first_depth_m, const asdic_mission *const *bases,
-                                     size_t count, asdic_mission **out) {
-    const mission_builder how = {.extent = MISSION_WHOLE,
-                                 .draw = draw,
-                                 .many = true,
-                                 .first_depth_m = first_depth_m,
-                                 .bases = bases,
-                                 .base_count = count};
+                                     const asdic_mission *const *bases, size_t count,
+                                     asdic_mission **out) {
+    const mission_builder how = {
+        .extent = MISSION_WHOLE, .draw = draw, .many = true, .bases = bases, .base_count = count};
     return load_file(ctx, path, &how, out);
 }
 

@@ -460,7 +460,7 @@ static void runs_of_many_leave_remarks_out(void **state) {
         asdic_mission *m = NULL;
         w->said[0] = '\0';
         asdic_context_set_log(w->ctx, ASDIC_LOG_WARNING, keep_lines, w);
-        asdic_mission_load_like(w->ctx, path, &draw, NAN, NULL, 0, &m);
+        asdic_mission_load_like(w->ctx, path, &draw, NULL, 0, &m);
         asdic_context_set_log(w->ctx, ASDIC_LOG_WARNING, NULL, NULL);
         assert_int_equal(m != NULL, depth_m < 12);
         assert_int_equal(w->said[0] == '\0', depth_m < 12);

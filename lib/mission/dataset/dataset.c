@@ -138,7 +138,7 @@ static asdic_status load(dataset *d, size_t index, asdic_mission **mission, buil
         bases[i] = d->kept[i].mission;
     }
     const asdic_draw draw = {d->options.seed, index};
-    TRY(asdic_mission_load_like(d->ctx, d->scene, &draw, d->depth_m, bases, KEPT, mission));
+    TRY(asdic_mission_load_like(d->ctx, d->scene, &draw, bases, KEPT, mission));
     for (size_t i = 0; i < KEPT; i++) {
         if ((*mission)->base && (*mission)->base == bases[i]) {
             *from = &d->kept[i];

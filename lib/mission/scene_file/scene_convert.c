@@ -54,8 +54,8 @@ static asdic_beam convert_beam(const file_beam *b, const char *name) {
 static asdic_array convert_array(const asdic_scene_file *file) {
     const file_array *a = &file->sonar.array;
     asdic_environment env = asdic_scene_file_environment(file);
-    double wavelength_m = asdic_environment_sound_speed_mps(&env, file->array_depth_m) /
-                          (1e3 * file->sonar.frequency_khz);
+    double wavelength_m =
+        asdic_environment_sound_speed_mps(&env, 0.0) / (1e3 * file->sonar.frequency_khz);
     double spacing_m = a->spacing_wl * wavelength_m;
     file_beam element = {.pitch_deg = a->pitch_deg,
                          .yaw_deg = a->yaw_deg,

@@ -234,8 +234,6 @@ bool asdic_scene_file_take(asdic_yaml_node *root, asdic_arena *arena, asdic_prob
         return true;
     }
     asdic_schema_read(asdic_scene_table(), asdic_scene_table(), root, arena, problems, file);
-    file->array_depth_m =
-        file->mission.pose.node ? fmax(file->mission.pose.position_m[2], 0.0) : 0.0;
     asdic_scene_file_check(file, arena, problems);
     return !problems->out_of_memory;
 }

@@ -295,7 +295,6 @@ typedef struct asdic_scene_file {
     file_detector detector;
     file_output output;
     file_trial trial;
-    double array_depth_m; /* where an array's wavelength is taken: of the pose, else 0 */
 } asdic_scene_file;
 
 /* The table of the whole file. */

@@ -82,8 +82,8 @@ static const asdic_key array_keys[] = {
      .max = ASDIC_ARRAY_MAX_ELEMENTS, .doc = "number of elements, from port to starboard"},
     {"spacing_wl", ASDIC_KEY_NUMBER, AT(file_array, spacing_wl), .unit = "wavelengths", .min = 0.01,
      .max = 10, .fallback = "0.5",
-     .doc = "from one element to the next, in the water at the depth of 'pose'; of a vehicle that "
-            "moves, in that at the surface. More than a half makes grating lobes"},
+     .doc = "from one element to the next, in the water at the surface, so that the array has one "
+            "size wherever it is. More than a half makes grating lobes"},
     {"shading", ASDIC_KEY_WORD, AT(file_array, shading), .words = shading_words, .fallback = "none",
      .doc = "how the elements are weighed"},
     {"side_lobe_db", ASDIC_KEY_NUMBER, AT(file_array, side_lobe_db), .unit = "dB", .min = -100,
