@@ -170,6 +170,12 @@ __kernel void coherent_elements(__global const dev_ping *ping, __global const de
     for (uint at = first[from]; at < first[to]; at++) {
         add_echo(&l, sorted + at, &sums);
     }
+    EVERY_SAMPLE
+    for (uint n = 0; n < OWN_SAMPLES; n++) {
+        if (begin + n < c->deaf) {
+            sums.re[n] = sums.im[n] = R(0.0);
+        }
+    }
     if (c->noise > 0.0f) {
         add_noise(ping, c, group * ASDIC_WIDTH, begin, &sums);
     }
@@ -242,7 +248,7 @@ __kernel void coherent_beams(__global const dev_coherent *c, __global const real
                              __global const float *steer, __global const real *pressure,
                              __global float2 *out) {
     uint item = (uint)(get_global_id(0)), beam = item % c->beams, groups = c->lanes / ASDIC_WIDTH;
-    uint begin = item / c->beams * ASDIC_WIDTH, end = min(begin + ASDIC_WIDTH, c->looks);
+    uint begin = item / c->beams * ASDIC_WIDTH, end = min(begin + ASDIC_WIDTH, c->formed);
     for (uint look = begin; look < end; look++) {
         phasor sums[PARTS];
         _Pragma("unroll") for (uint part = 0; part < PARTS; part++) {

@@ -67,6 +67,7 @@ typedef struct dev_coherent {
     float margin_m;  /* what a scatterer's way may differ by between elements, and half the pulse */
     float look_m;    /* from one look to the next */
     float noise;     /* r.m.s. of a sample's */
+    dev_uint deaf;   /* samples, the first, that hear no echo */
     float water_lin; /* s_V */
     dev_uint elements, lanes; /* LANES: elements, rounded up to whole vectors */
     dev_uint samples, gates;
@@ -74,6 +75,7 @@ typedef struct dev_coherent {
     dev_uint slots;        /* scatterers, once for each pair of ways there and back */
     dev_uint blocks;       /* of slots, that are sorted at the same time */
     dev_uint beams, looks; /* LOOKS: of a beam in all bins */
+    dev_uint formed;       /* of these, the first, that are formed */
     dev_uint mirrored[2];  /* kinds of the planes that mirror, DEV_KIND_*; 0: none */
 } dev_coherent;
 

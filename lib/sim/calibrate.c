@@ -462,7 +462,7 @@ static asdic_status run_pings(asdic_simulator *sim, const asdic_pose *pose, uint
             }
             take_first_bins(sim, c->pings[i], c->sharp);
             asdic_pulse_smear(&sim->setup.sonar, sim->shots[i].water.sound_speed_mps,
-                              sim->setup.threads, sim->host.scratch, c->pings[i]);
+                              sim->setup.threads, sim->host.scratch, c->pings[i], c->pings[i]);
             take_ping(sim, c->pings[i], k, c);
             take_first_bins(sim, c->pings[i], c->first);
         }

@@ -9,6 +9,7 @@
 #include "base/vec.h"
 #include "noise_level.h"
 #include "patches.h"
+#include "pulse.h"
 #include "scene/scene.h"
 
 #include <math.h>
@@ -48,6 +49,10 @@ struct asdic_coherent {
     float element_noise;
 };
 
+static double half_line_m(const asdic_array *array) {
+    return 0.5 * array->spacing_m * (double)(array->elements - 1);
+}
+
 asdic_coherent_grid asdic_coherent_grid_of(const asdic_sonar *sonar, double sound_speed_mps,
                                            size_t bins) {
     asdic_coherent_grid g;
@@ -60,6 +65,23 @@ asdic_coherent_grid asdic_coherent_grid_of(const asdic_sonar *sonar, double soun
     g.samples = bins * (size_t)per_bin;
     g.looks = bins * looks;
     return g;
+}
+
+/* How far off a scatterer is heard at an element, and the element in a beam's look. */
+static double reach_m(const asdic_sonar *sonar, const asdic_coherent_grid *grid) {
+    return 2.0 * (double)PULSE_REACH * grid->pulse_m + half_line_m(&sonar->array);
+}
+
+asdic_hearing asdic_hearing_of(const asdic_sonar *sonar, const asdic_sampling *sampling,
+                               double sound_speed_mps, size_t bins) {
+    if (!sampling->coherent) {
+        return (asdic_hearing){asdic_pulse_margin(sonar, sound_speed_mps, bins),
+                               asdic_pulse_from_m(sonar, sound_speed_mps)};
+    }
+    asdic_coherent_grid grid = asdic_coherent_grid_of(sonar, sound_speed_mps, bins);
+    double reach = reach_m(sonar, &grid), blanking = sonar->blanking_m;
+    return (asdic_hearing){(size_t)ceil(reach / sonar->bin_length_m),
+                           fmax(blanking - reach, 0.5 * blanking)};
 }
 
 asdic_status asdic_coherent_check(asdic_context *ctx, const asdic_sonar *sonar,
@@ -101,19 +123,20 @@ static void describe(const asdic_simulator *sim, asdic_coherent *c,
     const asdic_scene *scene = sim->setup.scene;
     size_t width = sim->setup.layout.width;
     double strength = asdic_volume_strength_lin(&sim->setup.env, sonar);
-    c->grid = asdic_coherent_grid_of(sonar, water->sound_speed_mps, sim->setup.bins);
-    double line = 0.5 * array->spacing_m * (double)(array->elements - 1);
+    size_t bins = asdic_simulator_bin_count(sim);
+    c->grid = asdic_coherent_grid_of(sonar, water->sound_speed_mps, bins);
+    size_t samples = c->grid.samples / bins * sim->setup.bins;
     c->now = (dev_coherent){
         .spacing_m = (float)array->spacing_m,
         .sample_m = (float)c->grid.sample_m,
         .pulse_m = (float)c->grid.pulse_m,
-        .margin_m = (float)(PULSE_REACH * c->grid.pulse_m + 0.5 * line),
+        .margin_m = (float)(PULSE_REACH * c->grid.pulse_m + 0.5 * half_line_m(array)),
         .look_m = (float)c->grid.look_m,
         .water_lin = (float)strength,
         .elements = (dev_uint)array->elements,
         .lanes = (dev_uint)((array->elements + width - 1) / width * width),
-        .samples = (dev_uint)c->grid.samples,
-        .gates = (dev_uint)((c->grid.samples + DEV_GATE_SAMPLES - 1) / DEV_GATE_SAMPLES),
+        .samples = (dev_uint)samples,
+        .gates = (dev_uint)((samples + DEV_GATE_SAMPLES - 1) / DEV_GATE_SAMPLES),
         .blocks = width > 1 ? FEW_BLOCKS : MANY_BLOCKS,
         .beams = (dev_uint)sonar->receiver_count,
         .looks = (dev_uint)c->grid.looks,
@@ -361,25 +384,54 @@ static asdic_status run_sort(asdic_simulator *sim, asdic_coherent *c) {
     return asdic_kernel_run(c->sort, sort, COUNT(sort), c->now.blocks, local);
 }
 
-static asdic_status run_elements(asdic_simulator *sim, asdic_coherent *c, float noise) {
-    size_t width = sim->setup.layout.width, own = DEV_OWN_GATES(width);
-    size_t shares = (c->now.gates + own - 1) / own;
+/* The first COUNT samples of every element, of which the first DEAF hear no echo. */
+static asdic_status run_elements(asdic_simulator *sim, asdic_coherent *c, float noise,
+                                 dev_uint deaf, size_t count) {
+    size_t width = sim->setup.layout.width, own = DEV_OWN_GATES(width) * DEV_GATE_SAMPLES;
+    size_t shares = (count + own - 1) / own;
     asdic_kernel_arg elements[] = {ASDIC_ARG_BUFFER(sim->buffers.pings), ASDIC_ARG_BUFFER(c->told),
                                    ASDIC_ARG_BUFFER(c->slots.sorted), ASDIC_ARG_BUFFER(c->first),
                                    ASDIC_ARG_BUFFER(c->pressure)};
     TRY(asdic_buffer_write(c->told, offsetof(dev_coherent, noise), sizeof noise, &noise));
+    TRY(asdic_buffer_write(c->told, offsetof(dev_coherent, deaf), sizeof deaf, &deaf));
     return asdic_kernel_run(c->elements, elements, COUNT(elements), shares * (c->now.lanes / width),
                             few_local(sim));
 }
 
-static asdic_status run_beams(asdic_simulator *sim, asdic_coherent *c) {
-    const dev_coherent *n = &c->now;
+/* The first COUNT looks of every beam. */
+static asdic_status run_beams(asdic_simulator *sim, asdic_coherent *c, dev_uint count) {
     size_t width = sim->setup.layout.width;
     asdic_kernel_arg beams[] = {ASDIC_ARG_BUFFER(c->told), ASDIC_ARG_BUFFER(c->weights),
                                 ASDIC_ARG_BUFFER(c->steer), ASDIC_ARG_BUFFER(c->pressure),
                                 ASDIC_ARG_BUFFER(c->looks)};
+    TRY(asdic_buffer_write(c->told, offsetof(dev_coherent, formed), sizeof count, &count));
     return asdic_kernel_run(c->beams, beams, COUNT(beams),
-                            n->beams * (((size_t)n->looks + width - 1) / width), few_local(sim));
+                            c->now.beams * (((size_t)count + width - 1) / width), few_local(sim));
+}
+
+/* How many steps, of STEP_M, have their middle before the end of the blanking. */
+static dev_uint deaf_steps(const asdic_sonar *sonar, double step_m) {
+    return (dev_uint)ceil(fmax(sonar->blanking_m / step_m - 0.5 - 1e-6, 0.0));
+}
+
+/* Samples that looks before the blanking's end take in. */
+static size_t early_samples(const asdic_simulator *sim, const asdic_coherent *c) {
+    const asdic_sonar *sonar = &sim->setup.sonar;
+    double reach = ceil(reach_m(sonar, &c->grid) / c->grid.sample_m);
+    size_t count = deaf_steps(sonar, c->grid.sample_m) + (size_t)reach;
+    return count < c->now.samples ? count : c->now.samples;
+}
+
+/* Pressures of beams. Looks before the blanking's end hear noise alone. Those behind it are formed of all samples, those
+ * from before it, too, at elements that a wave from aside comes to early: as loud as beams of intensities. */
+static asdic_status form_beams(asdic_simulator *sim, asdic_coherent *c) {
+    dev_uint deaf = deaf_steps(&sim->setup.sonar, c->grid.look_m);
+    dev_uint looks = deaf < c->now.looks ? deaf : c->now.looks;
+    size_t early = early_samples(sim, c);
+    TRY(run_elements(sim, c, c->now.noise, 0, c->now.samples));
+    TRY(run_beams(sim, c, c->now.looks));
+    TRY(looks > 0 ? run_elements(sim, c, c->now.noise, (dev_uint)early, early) : ASDIC_OK);
+    return looks > 0 ? run_beams(sim, c, looks) : ASDIC_OK;
 }
 
 /* The beams' looks to energies of bins. */
@@ -412,24 +464,26 @@ static asdic_status fetch_elements(asdic_simulator *sim, asdic_coherent *c, doub
     if (!out->pressure) {
         return ASDIC_OK;
     }
-    if (out->elements != n->elements || out->samples != n->samples) {
+    const size_t samples = c->grid.samples;
+    if (out->elements != n->elements || out->samples != samples) {
         return asdic_fail(sim->ctx, ASDIC_ERROR_ARGUMENT,
                           "the ping has room for %zu elements x %zu samples, the simulator makes "
-                          "%u x %u",
-                          out->elements, out->samples, n->elements, n->samples);
+                          "%u x %zu",
+                          out->elements, out->samples, n->elements, samples);
     }
-    size_t bytes = (size_t)n->samples * 2 * n->lanes * sizeof(float);
+    size_t bytes = samples * 2 * n->lanes * sizeof(float);
     float *rows = malloc(bytes), unit = (float)sqrt(source_lin);
     if (!rows) {
         return asdic_fail_memory(sim->ctx, "pressures at elements");
     }
-    asdic_status status =
-        c->element_noise == n->noise ? ASDIC_OK : run_elements(sim, c, c->element_noise);
+    dev_uint deaf = deaf_steps(&sim->setup.sonar, c->grid.sample_m);
+    size_t anew = c->element_noise == n->noise ? early_samples(sim, c) : samples;
+    asdic_status status = run_elements(sim, c, c->element_noise, deaf, anew);
     status = status ? status : asdic_buffer_read(c->pressure, 0, bytes, rows);
-    for (size_t s = 0; !status && s < n->samples; s++) {
+    for (size_t s = 0; !status && s < samples; s++) {
         const float *re = rows + 2 * s * n->lanes, *im = re + n->lanes;
         for (size_t e = 0; e < n->elements; e++) {
-            float *to = out->pressure + 2 * (e * n->samples + s);
+            float *to = out->pressure + 2 * (e * samples + s);
             to[0] = re[e] * unit;
             to[1] = im[e] * unit;
         }
@@ -449,8 +503,7 @@ asdic_status asdic_coherent_ping(asdic_simulator *sim, const asdic_pose *pose, u
     TRY(tell(sim, c, shot));
     TRY(run_scatterers(sim, c));
     TRY(run_sort(sim, c));
-    TRY(run_elements(sim, c, c->now.noise));
-    TRY(run_beams(sim, c));
+    TRY(form_beams(sim, c));
     TRY(asdic_buffer_read(c->looks, 0, (size_t)c->now.beams * c->now.looks * 2 * sizeof(float),
                           c->heard));
     double source_lin = asdic_simulator_source_lin(sim, &shot->water);

@@ -300,14 +300,21 @@ static void weigh_beams(const asdic_sonar *sonar, asdic_ping *ping) {
     }
 }
 
-static asdic_status add_pulse(asdic_context *ctx, const asdic_sonar *sonar, double sound_speed_mps,
-                              asdic_ping *ping) {
-    double *scratch = malloc(asdic_pulse_scratch(ping->bins) * sizeof *scratch);
-    if (!scratch) {
-        return asdic_fail_memory(ctx, "an expected ping");
+/* PING before the pulse: what asdic_pulse_margin and asdic_pulse_from_m ask for, of beams at HEARD. */
+static asdic_status fill(asdic_context *ctx, const among *with, const asdic_expected_place *place,
+                         const asdic_flat_laws *laws, const asdic_environment *env,
+                         const asdic_sonar *sonar, asdic_ping *ping) {
+    asdic_sonar listening = *sonar;
+    listening.blanking_m = asdic_pulse_from_m(sonar, laws->water.sound_speed_mps);
+    begin_ping(sonar, ping);
+    TRY(compute_echoes(ctx, with, laws, env, &listening, &place->pose, ping));
+    weigh_beams(sonar, ping);
+    asdic_noise_levels(env, sonar, laws->water.sound_speed_mps, ping);
+    for (size_t i = 0; i < ping->beams * ping->bins; i++) {
+        for (int c = ASDIC_TOTAL + 1; c < ASDIC_COMPONENT_COUNT; c++) {
+            ping->intensity_lin[ASDIC_TOTAL][i] += ping->intensity_lin[c][i];
+        }
     }
-    asdic_pulse_smear(sonar, sound_speed_mps, 1, scratch, ping);
-    free(scratch);
     return ASDIC_OK;
 }
 
@@ -321,16 +328,22 @@ static asdic_status compute(asdic_context *ctx, const among *with,
         ctx, env, flat->has_surface ? 0.0 : fmax(flat->depth_m - range_m, 0.0),
         flat->depth_m + (flat->has_bottom ? flat->altitude_m : range_m)));
     asdic_flat_laws laws = asdic_flat_laws_at(flat, env, sonar);
-    begin_ping(sonar, ping);
-    TRY(compute_echoes(ctx, with, &laws, env, sonar, &place->pose, ping));
-    weigh_beams(sonar, ping);
-    asdic_noise_levels(env, sonar, laws.water.sound_speed_mps, ping);
-    for (size_t i = 0; i < ping->beams * ping->bins; i++) {
-        for (int c = ASDIC_TOTAL + 1; c < ASDIC_COMPONENT_COUNT; c++) {
-            ping->intensity_lin[ASDIC_TOTAL][i] += ping->intensity_lin[c][i];
-        }
+    double c_mps = laws.water.sound_speed_mps;
+    size_t margin = asdic_pulse_margin(sonar, c_mps, ping->bins), bins = ping->bins + margin;
+    if (margin == 0) {
+        return fill(ctx, with, place, &laws, env, sonar, ping);
     }
-    return add_pulse(ctx, sonar, laws.water.sound_speed_mps, ping);
+    asdic_ping *wide = NULL;
+    TRY(asdic_ping_create(ctx, ping->beams, bins, &wide));
+    double *scratch = malloc(asdic_pulse_scratch(bins) * sizeof *scratch);
+    asdic_status status = scratch ? fill(ctx, with, place, &laws, env, sonar, wide)
+                                  : asdic_fail_memory(ctx, "an expected ping");
+    if (!status) {
+        asdic_pulse_smear(sonar, c_mps, 1, scratch, wide, ping);
+    }
+    free(scratch);
+    asdic_ping_destroy(&wide);
+    return status;
 }
 
 asdic_status asdic_expected_compute_among(asdic_context *ctx, asdic_ring_shelf *shelf,

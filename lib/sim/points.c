@@ -311,7 +311,7 @@ static asdic_status add_echo(asdic_simulator *sim, const asdic_ping_shot *shot,
     asdic_path by = home->by ? home->by : outward->by;
     double range = same ? home->range_m : 0.5 * (outward->range_m + home->range_m);
     double bin = floor(range / sim->setup.sonar.bin_length_m);
-    if (range < sim->setup.sonar.blanking_m || bin >= (double)sim->setup.bins) {
+    if (range < sim->setup.from_m || bin >= (double)sim->setup.bins) {
         return ASDIC_OK;
     }
     const dev_beam *beams = asdic_shot_beams(shot);

@@ -9,21 +9,33 @@
 /* Beams that a thread takes at once. */
 #define BEAMS 16
 
+/* An end of the blanking so near to a bin's, in bins, is it. */
+#define SAME_EDGE 1e-6
+
 /* The window that a bin receives from: all of REACH - 1 bins on each side, and a part of one more. */
 typedef struct window {
     size_t reach;
-    double edge, half; /* part of the outermost; half the window, in bins */
-    double deaf;       /* bins, from the first, that the blanking takes */
+    double edge, length; /* part of the outermost; the window, in bins */
+    double deaf;         /* bins, from the first, that the blanking takes */
 } window;
 
-/* The window of SONAR, whose pulse is longer than a bin, in a ping of BINS. */
+static double deaf_bins(const asdic_sonar *sonar) {
+    double deaf = sonar->blanking_m / sonar->bin_length_m, whole = round(deaf);
+    return fabs(deaf - whole) < SAME_EDGE ? whole : deaf;
+}
+
+/* The window in a ping of BINS; of a pulse that is no longer than a bin, that bin. */
 static window window_of(const asdic_sonar *sonar, double sound_speed_mps, size_t bins) {
-    double length = asdic_pulse_bins(sonar, sound_speed_mps), half = 0.5 * length;
-    double side = half - 0.5, reach = ceil(side), deaf = sonar->blanking_m / sonar->bin_length_m;
-    if (reach > (double)bins) {
-        return (window){bins, 1.0, half, deaf};
+    double length = fmax(asdic_pulse_bins(sonar, sound_speed_mps), 1.0),
+           side = 0.5 * (length - 1.0);
+    double reach = ceil(side), deaf = deaf_bins(sonar);
+    if (reach == 0.0) {
+        return (window){0, 0.5, 1.0, deaf};
     }
-    return (window){(size_t)reach, side - (reach - 1.0), half, deaf};
+    if (reach > (double)bins) {
+        return (window){bins, 1.0, length, deaf};
+    }
+    return (window){(size_t)reach, side - (reach - 1.0), length, deaf};
 }
 
 /* The part of bin N that lies behind the blanking. */
@@ -31,25 +43,30 @@ static double part_heard(window w, size_t n) {
     return fmin(fmax((double)n + 1.0 - w.deaf, 0.0), 1.0);
 }
 
+size_t asdic_pulse_margin(const asdic_sonar *sonar, double sound_speed_mps, size_t bins) {
+    return window_of(sonar, sound_speed_mps, bins).reach;
+}
+
+double asdic_pulse_from_m(const asdic_sonar *sonar, double sound_speed_mps) {
+    double deaf = deaf_bins(sonar), from = deaf;
+    if (asdic_pulse_smears(sonar, sound_speed_mps)) {
+        window w = window_of(sonar, sound_speed_mps, ASDIC_SONAR_MAX_BINS);
+        from = fmax(floor(deaf) - (double)w.reach, 0.5 * deaf);
+    }
+    return from * sonar->bin_length_m;
+}
+
 size_t asdic_pulse_scratch(size_t bins) {
     return 4 * bins; /* a row between margins, and a row of errors */
 }
 
-/* Bins, of BINS in all, that the mean of COMPONENT in bin N is over. What lies beyond the last is taken to be like the
- * bins before it, as reverberation goes on: the mean is over the bins that there are. An object's echo does not go on,
- * and what the pulse carries beyond the last bin is lost. */
-static inline double spread_of(window w, asdic_component component, size_t bins, size_t n) {
-    double ahead = (double)(bins - n) - 0.5;
-    return w.half + (component != ASDIC_OBJECT && ahead < w.half ? ahead : w.half);
-}
-
-/* Moving average of ROW. PADDED has room for bins + 2 reach. Nothing arrives from before the first bin, and nothing is
- * heard before the blanking's end. Running sums are not used: they would lose what lies far below the loudest bin. */
-WIDEST static void smear_row(double *restrict row, double *restrict padded,
-                             asdic_component component, size_t bins, window w) {
+/* Moving average of FROM, of COUNT bins, to the first BINS. PADDED has room for COUNT + 2 reach. Nothing is heard before
+ * the blanking's end. Running sums are not used: they would lose what lies far below the loudest bin. */
+WIDEST static void smear_row(const double *from, size_t count, double *restrict padded, double *row,
+                             size_t bins, window w) {
     memset(padded, 0, w.reach * sizeof *padded);
-    memcpy(padded + w.reach, row, bins * sizeof *padded);
-    memset(padded + w.reach + bins, 0, w.reach * sizeof *padded);
+    memcpy(padded + w.reach, from, count * sizeof *padded);
+    memset(padded + w.reach + count, 0, w.reach * sizeof *padded);
     for (size_t n = 0; n < bins; n++) {
         row[n] = (padded[n] + padded[n + 2 * w.reach]) * w.edge;
     }
@@ -59,7 +76,7 @@ WIDEST static void smear_row(double *restrict row, double *restrict padded,
         }
     }
     for (size_t n = 0; n < bins; n++) {
-        row[n] /= spread_of(w, component, bins, n);
+        row[n] /= w.length;
     }
     for (size_t n = 0; n < bins && (double)n < w.deaf; n++) {
         row[n] *= part_heard(w, n);
@@ -97,53 +114,55 @@ bool asdic_pulse_smears(const asdic_sonar *sonar, double sound_speed_mps) {
     return asdic_pulse_bins(sonar, sound_speed_mps) > 1.0;
 }
 
-void asdic_pulse_smear_row(const asdic_sonar *sonar, double sound_speed_mps,
-                           asdic_component component, double *scratch, size_t bins, double *row) {
-    if (asdic_pulse_smears(sonar, sound_speed_mps)) {
-        smear_row(row, scratch, component, bins, window_of(sonar, sound_speed_mps, bins));
-    }
+void asdic_pulse_smear_row(const asdic_sonar *sonar, double sound_speed_mps, double *scratch,
+                           size_t bins, size_t margin, double *row) {
+    window w = window_of(sonar, sound_speed_mps, bins);
+    smear_row(row, bins + margin, scratch, row, bins, w);
 }
 
-double asdic_pulse_share(const asdic_sonar *sonar, double sound_speed_mps, size_t bins, size_t n) {
+double asdic_pulse_share(const asdic_sonar *sonar, double sound_speed_mps, size_t n) {
     if (!asdic_pulse_smears(sonar, sound_speed_mps)) {
         return 1.0;
     }
-    window w = window_of(sonar, sound_speed_mps, bins);
-    return part_heard(w, n) / spread_of(w, ASDIC_OBJECT, bins, n);
-}
-
-double asdic_pulse_kept(const asdic_sonar *sonar, double sound_speed_mps, size_t bins, size_t n) {
-    window w = window_of(sonar, sound_speed_mps, bins);
-    return spread_of(w, ASDIC_TOTAL, bins, n) / spread_of(w, ASDIC_OBJECT, bins, n);
+    window w = window_of(sonar, sound_speed_mps, n + 1);
+    return part_heard(w, n) / w.length;
 }
 
 typedef struct smearing {
-    asdic_ping *ping;
+    const asdic_ping *from;
+    asdic_ping *out;
     window window;
     double *scratch;
 } smearing;
 
 static void smear_beams(void *user, unsigned worker, size_t first, size_t end) {
     const smearing *s = user;
-    asdic_ping *ping = s->ping;
-    size_t bins = ping->bins;
-    double *errors = s->scratch + worker * asdic_pulse_scratch(bins), *padded = errors + bins;
+    const asdic_ping *from = s->from;
+    asdic_ping *out = s->out;
+    size_t count = from->bins, bins = out->bins;
+    double *errors = s->scratch + worker * asdic_pulse_scratch(count), *padded = errors + count;
     for (size_t b = first; b < end; b++) {
-        size_t at = b * bins;
-        /* Errors of neighbouring bins are taken to agree, and to go on beyond the last: the least favourable case. */
-        weigh(ping->intensity_lin[ASDIC_TOTAL] + at, ping->stderr_db + at, bins, errors);
-        smear_row(errors, padded, ASDIC_TOTAL, bins, s->window);
+        size_t at = b * count, to = b * bins;
+        /* Errors of neighbouring bins are taken to agree: the least favourable case. */
+        weigh(from->intensity_lin[ASDIC_TOTAL] + at, from->stderr_db + at, count, errors);
+        smear_row(errors, count, padded, errors, bins, s->window);
         for (int c = ASDIC_TOTAL + 1; c < ASDIC_NOISE; c++) {
-            smear_row(ping->intensity_lin[c] + at, padded, (asdic_component)c, bins, s->window);
+            smear_row(from->intensity_lin[c] + at, count, padded, out->intensity_lin[c] + to, bins,
+                      s->window);
         }
-        sum_parts(ping, at, errors);
+        memmove(out->intensity_lin[ASDIC_NOISE] + to, from->intensity_lin[ASDIC_NOISE] + at,
+                bins * sizeof(double));
+        sum_parts(out, to, errors);
     }
 }
 
 void asdic_pulse_smear(const asdic_sonar *sonar, double sound_speed_mps, unsigned threads,
-                       double *scratch, asdic_ping *ping) {
-    if (asdic_pulse_smears(sonar, sound_speed_mps)) {
-        smearing s = {ping, window_of(sonar, sound_speed_mps, ping->bins), scratch};
-        asdic_share(threads, ping->beams, BEAMS, smear_beams, &s);
+                       double *scratch, const asdic_ping *from, asdic_ping *out) {
+    if (from != out || asdic_pulse_smears(sonar, sound_speed_mps)) {
+        smearing s = {from, out, window_of(sonar, sound_speed_mps, out->bins), scratch};
+        asdic_share(threads, out->beams, BEAMS, smear_beams, &s);
+        out->bin_length_m = from->bin_length_m;
+        out->rays = from->rays;
+        out->saturated = from->saturated;
     }
 }

@@ -192,10 +192,18 @@ static void shape_accumulator(const asdic_simulator *sim, dev_ping *fixed) {
     }
 }
 
+/* From where on the device listens: at the end of a bin it has the very float of that. */
+static float listens_from(const asdic_setup *setup) {
+    float bin_m = (float)setup->sonar.bin_length_m;
+    double whole = round(setup->from_m / setup->sonar.bin_length_m);
+    return setup->from_m == whole * setup->sonar.bin_length_m ? (float)whole * bin_m
+                                                              : (float)setup->from_m;
+}
+
 void asdic_simulator_prepare(asdic_simulator *sim, const asdic_water_column *water) {
     dev_ping *fixed = &sim->setup.ping;
     *fixed = (dev_ping){
-        .blanking_m = (float)sim->setup.sonar.blanking_m,
+        .blanking_m = listens_from(&sim->setup),
         .range_m = (float)((double)sim->setup.bins * sim->setup.sonar.bin_length_m),
         .reach_m = (float)(((double)sim->setup.bins + 0.25) * sim->setup.sonar.bin_length_m),
         .bin_m = (float)sim->setup.sonar.bin_length_m,
@@ -322,8 +330,8 @@ bool asdic_shot_tabulate(const asdic_simulator *sim, asdic_ping_shot *shot) {
     for (size_t n = 0; n < sim->setup.bins; n++) {
         double loss = asdic_water_column_loss(water, sim->setup.sonar.bin_length_m, n);
         double center = ((double)n + 0.5) * sim->setup.sonar.bin_length_m;
-        double volume = asdic_water_column_volume(water, sim->setup.sonar.bin_length_m,
-                                                  sim->setup.sonar.blanking_m, n);
+        double volume =
+            asdic_water_column_volume(water, sim->setup.sonar.bin_length_m, sim->setup.from_m, n);
         /* The device works relative to the bin's centre: integral of d^-2 exp(-2 k (d - d_n)). */
         double local = volume / (loss * center * center);
         inverse[n] = local > 0.0 && isfinite(local) ? (float)(1.0 / local) : 0.0f;

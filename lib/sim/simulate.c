@@ -385,12 +385,20 @@ static asdic_status simulate_rays(asdic_simulator *sim, const asdic_pose *poses,
         asdic_shot_aim(sim, &sim->shots[k], &poses[k], first + k, ASDIC_STREAM_PING,
                        sim->setup.sampling.rays);
     }
-    TRY(asdic_simulator_simulate(sim, count, out));
+    asdic_ping *const *raw = sim->host.wide ? sim->host.wide : out;
+    for (size_t k = 0; k < count; k++) {
+        raw[k]->truth = out[k]->truth; /* asks for it; it is filled after the pulse */
+    }
+    asdic_status status = asdic_simulator_simulate(sim, count, raw);
+    for (size_t k = 0; sim->host.wide && k < count; k++) {
+        raw[k]->truth = NULL;
+    }
+    TRY(status);
     for (size_t k = 0; k < count; k++) {
         const asdic_ping_shot *shot = &sim->shots[k];
-        TRY(asdic_points_add(sim, shot, out[k]));
+        TRY(asdic_points_add(sim, shot, raw[k]));
         asdic_pulse_smear(&sim->setup.sonar, shot->water.sound_speed_mps, sim->setup.threads,
-                          sim->host.scratch, out[k]);
+                          sim->host.scratch, raw[k], out[k]);
         asdic_truth_end(sim, k, out[k]);
         asdic_speckle_apply(sim->speckle, shot->water.sound_speed_mps, sim->setup.sampling.seed,
                             shot->index, out[k]);
@@ -429,10 +437,11 @@ static asdic_status check_ping(const asdic_simulator *sim, const asdic_pose *pos
     if (!out) {
         return asdic_fail_null(sim->ctx, "asdic_simulator_pings");
     }
-    if (out->beams != sim->setup.sonar.receiver_count || out->bins != sim->setup.bins) {
+    size_t bins = asdic_simulator_bin_count(sim);
+    if (out->beams != sim->setup.sonar.receiver_count || out->bins != bins) {
         return asdic_fail(sim->ctx, ASDIC_ERROR_ARGUMENT,
                           "the ping holds %zu beams x %zu bins, the simulator makes %zu x %zu",
-                          out->beams, out->bins, sim->setup.sonar.receiver_count, sim->setup.bins);
+                          out->beams, out->bins, sim->setup.sonar.receiver_count, bins);
     }
     if (out->truth && !sim->setup.sampling.truth) {
         return asdic_fail(sim->ctx, ASDIC_ERROR_ARGUMENT,

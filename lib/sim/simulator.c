@@ -11,6 +11,7 @@
 #include "laws/tabulate.h"
 #include "layers.h"
 #include "points.h"
+#include "pulse.h"
 #include "scene/lifted.h"
 #include "truth.h"
 
@@ -257,7 +258,15 @@ static unsigned thread_count(const asdic_simulator *sim) {
 }
 
 static void plan_work(asdic_simulator *sim, const asdic_water_column *water) {
-    sim->setup.bins = asdic_sonar_bin_count(&sim->setup.sonar, water->sound_speed_mps);
+    const asdic_sonar *sonar = &sim->setup.sonar;
+    double c_mps = water->sound_speed_mps;
+    size_t bins = asdic_sonar_bin_count(sonar, c_mps);
+    asdic_hearing hearing = asdic_hearing_of(sonar, &sim->setup.sampling, c_mps, bins);
+    bool casts = !(sim->setup.sampling.left_out & (1u << ASDIC_TERM_RAYS));
+    /* Pulses are longer in faster water. */
+    sim->setup.margin = casts && hearing.margin > 0 ? hearing.margin + 1 : 0;
+    sim->setup.from_m = hearing.from_m;
+    sim->setup.bins = bins + sim->setup.margin;
     sim->setup.cells = sim->setup.bins * sim->setup.sonar.receiver_count;
     sim->setup.groups = group_count(sim->setup.cells);
     if (sim->setup.layout.local > LOCAL_LIMIT) {
@@ -404,11 +413,13 @@ static void place_layers(asdic_simulator *sim, const asdic_layers *layers, doubl
     /* Of a box round the origin that holds the scene: objects may lie on one side of it. */
     asdic_vec3 size = {2.0 * fmax(above.x, below.x), 2.0 * fmax(above.y, below.y),
                        2.0 * fmax(above.z, below.z)};
+    double pulse_m = asdic_pulse_bins(sonar, ASDIC_SOUND_MOST_MPS) * sonar->bin_length_m;
+    double range_m = asdic_sonar_max_range_m(sonar, ASDIC_SOUND_MOST_MPS);
+    double beyond_m = pulse_m > sonar->bin_length_m ? fmin(0.5 * pulse_m, range_m) : 0.0;
     *room = (asdic_lift_room){
-        .high_m =
-            size.z + fabs(depth_m - scene->origin_m.z) + asdic_sonar_max_range_m(sonar, 1500.0),
-        .rays_m = asdic_sonar_max_range_m(sonar, ASDIC_SOUND_MOST_MPS) *
-                  (ASDIC_SOUND_MOST_MPS / ASDIC_SOUND_LEAST_MPS),
+        .high_m = size.z + fabs(depth_m - scene->origin_m.z) +
+                  asdic_sonar_max_range_m(sonar, 1500.0) + beyond_m,
+        .rays_m = (range_m + beyond_m) * (ASDIC_SOUND_MOST_MPS / ASDIC_SOUND_LEAST_MPS),
         .tall_m = scene->triangle_count > 0 ? scene->max_m.z - scene->min_m.z : 0.0,
         .least_m = 0.5 * hypot(size.x, size.y),
     };
@@ -503,8 +514,8 @@ static asdic_status furnish(asdic_simulator *sim, const asdic_water_column *wate
     bool aims = scene_echoes(sim) && sim->setup.layer_count == 0;
     TRY(asdic_faces_init(&sim->learnt.faces, sim->device, aims ? scene : NULL));
     TRY(asdic_truth_init(sim));
-    TRY(asdic_speckle_create(sim->ctx, &sim->setup.sonar, water->sound_speed_mps, sim->setup.bins,
-                             sim->setup.threads, &sim->speckle));
+    TRY(asdic_speckle_create(sim->ctx, &sim->setup.sonar, water->sound_speed_mps,
+                             asdic_simulator_bin_count(sim), sim->setup.threads, &sim->speckle));
     asdic_simulator_forget(sim);
     return sim->setup.sampling.coherent ? asdic_coherent_create(sim, water, &sim->coherent)
                                         : ASDIC_OK;
@@ -613,5 +624,5 @@ void asdic_simulator_hasten(asdic_simulator *sim) {
 }
 
 size_t asdic_simulator_bin_count(const asdic_simulator *sim) {
-    return sim ? sim->setup.bins : 0;
+    return sim ? sim->setup.bins - sim->setup.margin : 0;
 }

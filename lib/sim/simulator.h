@@ -107,13 +107,15 @@ typedef struct asdic_setup {
     asdic_beam *receivers; /* copy that sonar.receivers points to */
     asdic_sampling sampling;
     asdic_layout layout;
-    size_t bins, cells;          /* cells: bins times receivers */
-    size_t components;           /* that are deposited, see ping_types.h */
-    unsigned groups;             /* replicates of a ping, whose spread tells its error */
-    size_t per_group;            /* slots of a group in one batch of rays */
-    size_t ping_batch;           /* that go to the device together */
-    unsigned threads;            /* of the host, that share a ping's beams */
-    bool has_mirrors;            /* multipath is wanted, and something in the scene reflects */
+    size_t bins, cells; /* cells: bins times receivers */
+    double from_m;      /* what is nearer is not heard: see pulse.h */
+    size_t margin;      /* of the bins, the last, which are for the pulse alone: see pulse.h */
+    size_t components;  /* that are deposited, see ping_types.h */
+    unsigned groups;    /* replicates of a ping, whose spread tells its error */
+    size_t per_group;   /* slots of a group in one batch of rays */
+    size_t ping_batch;  /* that go to the device together */
+    unsigned threads;   /* of the host, that share a ping's beams */
+    bool has_mirrors;   /* multipath is wanted, and something in the scene reflects */
     asdic_scatterer *scatterers; /* the scene's materials, then the surface */
     dev_ping ping;               /* the members that are the same in every ping */
 } asdic_setup;
@@ -153,7 +155,8 @@ typedef struct asdic_host_store {
     double *bin_tables;
     float *water;
     char *results;
-    double *scratch; /* asdic_pulse_scratch for every thread */
+    double *scratch;   /* asdic_pulse_scratch for every thread */
+    asdic_ping **wide; /* setup.ping_batch with the margin, before the pulse; NULL: no margin */
     dev_pilot *pilot_rays;
     float *pilot_energies;
 } asdic_host_store;

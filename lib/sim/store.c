@@ -43,6 +43,18 @@ static size_t pilot_energy_bytes(const asdic_simulator *sim) {
     return pilot_slots(sim) * asdic_simulator_picked(sim) * DEV_PILOT_ENERGIES * sizeof(float);
 }
 
+static asdic_status create_wide(asdic_simulator *sim) {
+    sim->host.wide = calloc(sim->setup.ping_batch, sizeof(asdic_ping *));
+    if (!sim->host.wide) {
+        return asdic_fail_memory(sim->ctx, "a simulator");
+    }
+    for (size_t k = 0; k < sim->setup.ping_batch; k++) {
+        TRY(asdic_ping_create(sim->ctx, sim->setup.sonar.receiver_count, sim->setup.bins,
+                              &sim->host.wide[k]));
+    }
+    return ASDIC_OK;
+}
+
 asdic_status asdic_store_create_host(asdic_simulator *sim) {
     size_t beams = sim->setup.sonar.receiver_count, bins = sim->setup.bins,
            pings = sim->setup.ping_batch;
@@ -75,7 +87,7 @@ asdic_status asdic_store_create_host(asdic_simulator *sim) {
     }
     memcpy(sim->setup.receivers, sim->setup.sonar.receivers, beams * sizeof *sim->setup.receivers);
     sim->setup.sonar.receivers = sim->setup.receivers;
-    return ASDIC_OK;
+    return sim->setup.margin > 0 && !sim->setup.sampling.coherent ? create_wide(sim) : ASDIC_OK;
 }
 
 asdic_status asdic_store_create_device(asdic_simulator *sim) {
@@ -148,6 +160,10 @@ void asdic_store_destroy(asdic_simulator *sim) {
     for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++) {
         asdic_buffer_destroy(buffers[i]);
     }
+    for (size_t k = 0; sim->host.wide && k < sim->setup.ping_batch; k++) {
+        asdic_ping_destroy(&sim->host.wide[k]);
+    }
+    free(sim->host.wide);
     free(sim->setup.receivers);
     free(sim->setup.scatterers);
     free(sim->host.pings);

@@ -226,6 +226,7 @@ typedef struct telling {
     const asdic_ping_shot *shot;
     asdic_ping *out;
     size_t nth, beam, beams; /* from which one on, how many */
+    size_t wide;             /* bins of a beam as rays fill them: the margin, too */
     double source_lin, speed_mps;
     double axis_lin[TILE];  /* the beams' gains */
     bool smears;            /* the pulse */
@@ -252,7 +253,7 @@ static void gather(const telling *to, size_t row, double unit, double *energy) {
         if (to->sim->fan.many) {
             cell += to->beam / DEV_FAN_TILE * sums->truth_cells;
             take_floats((const float *)t->cells + cell * DEV_FAN_TILE + to->beam % DEV_FAN_TILE,
-                        to->axis_lin, to->beams, worth, energy + n, to->out->bins);
+                        to->axis_lin, to->beams, worth, energy + n, to->wide);
             continue;
         }
         const int64_t *from = (const int64_t *)t->cells + cell * t->columns + to->beam;
@@ -261,15 +262,15 @@ static void gather(const telling *to, size_t row, double unit, double *energy) {
             for (size_t k = 0; k < each; k++) {
                 quanta += from[k * sums->truth_cells * t->columns + b];
             }
-            energy[b * to->out->bins + n] = (double)quanta * to->axis_lin[b] * worth;
+            energy[b * to->wide + n] = (double)quanta * to->axis_lin[b] * worth;
         }
     }
 }
 
-static void smear(const telling *to, asdic_component component, double *energy) {
+static void smear(const telling *to, double *energy) {
     for (size_t b = 0; b < to->beams && to->smears; b++) {
-        asdic_pulse_smear_row(&to->sim->setup.sonar, to->speed_mps, component, to->scratch,
-                              to->out->bins, energy + b * to->out->bins);
+        asdic_pulse_smear_row(&to->sim->setup.sonar, to->speed_mps, to->scratch, to->out->bins,
+                              to->wide - to->out->bins, energy + b * to->wide);
     }
 }
 
@@ -285,17 +286,17 @@ WIDEST static void take_stronger(const double *restrict energy, int16_t number, 
 /* Compares ENERGY of object NUMBER, in the bins of ROW, with MOST, and clears it. */
 static void compare(const telling *to, unsigned number, dev_truth_row row, double *energy,
                     double *most) {
-    size_t bins = to->out->bins, first = to->beam * bins;
+    size_t bins = to->out->bins;
     if (to->smears) {
-        smear(to, ASDIC_OBJECT, energy);
+        smear(to, energy);
         row.low = 0;
         row.high = (dev_uint)bins;
     }
     for (size_t b = 0; b < to->beams; b++) {
-        size_t at = b * bins + row.low, count = row.high - row.low;
+        size_t at = b * to->wide + row.low, count = row.high - row.low;
         take_stronger(energy + at, (int16_t)number, count, most + at,
-                      to->out->truth->object + first + at);
-        memset(energy + at, 0, count * sizeof *energy);
+                      to->out->truth->object + (to->beam + b) * bins + row.low);
+        memset(energy + at, 0, (count + to->wide - bins) * sizeof *energy);
     }
 }
 
@@ -320,7 +321,7 @@ static void find_objects(const telling *to, double *energy, double *most) {
             continue;
         }
         for (size_t b = 0; b < to->beams; b++) {
-            energy[b * bins + bin] = t->point_lin[k * to->out->beams + to->beam + b];
+            energy[b * to->wide + bin] = t->point_lin[k * to->out->beams + to->beam + b];
         }
         dev_truth_row row = {.low = bin, .high = bin + 1};
         compare(to, scene->points[t->points[k].point].number, row, energy, most);
@@ -340,7 +341,7 @@ static void add_points_by(const telling *to, asdic_path by, double *energy) {
     for (size_t k = 0; k < t->point_count; k++) {
         size_t beams = t->points[k].by == by ? to->beams : 0;
         for (size_t b = 0; b < beams; b++) {
-            energy[b * to->out->bins + t->points[k].bin] +=
+            energy[b * to->wide + t->points[k].bin] +=
                 t->point_lin[k * to->out->beams + to->beam + b];
         }
     }
@@ -353,37 +354,20 @@ static void gather_moments(const telling *to, double *moment) {
     double scale =
         (double)device->scale[DEV_DEPOSIT_BOTTOM] * device->truth_ratio[DEV_DEPOSIT_BOTTOM];
     const asdic_beam_fan *fan = &to->sim->fan;
-    size_t bins = to->out->bins;
     for (size_t b = 0; b < to->beams && fan->many; b++) {
         weigh_floats(asdic_beam_fan_row(fan, to->shot->sums, to->beam + b, fan->sums - 1),
-                     to->shot->loss, to->source_lin / scale * to->axis_lin[b], bins,
-                     moment + b * bins);
+                     to->shot->loss, to->source_lin / scale * to->axis_lin[b], to->wide,
+                     moment + b * to->wide);
     }
     gather(to, DEV_TRUTH_DEPRESSION, to->source_lin / scale, moment);
     for (size_t k = 0; k < t->point_count; k++) {
         const asdic_truth_point *point = &t->points[k];
         for (size_t b = 0; b < to->beams; b++) {
-            moment[b * to->out->bins + point->bin] +=
-                t->point_lin[k * to->out->beams + to->beam + b] * ASDIC_TRUTH_MIDDLE *
-                (1.0 + point->down);
+            moment[b * to->wide + point->bin] += t->point_lin[k * to->out->beams + to->beam + b] *
+                                                 ASDIC_TRUTH_MIDDLE * (1.0 + point->down);
         }
     }
-    smear(to, ASDIC_TOTAL, moment);
-}
-
-/* Takes from MOMENT what went with the objects' energy in H beyond the range's end. */
-static void cut_moment(const telling *to, const asdic_holdings *h, double *moment) {
-    size_t bins = to->out->bins;
-    for (size_t n = bins; to->smears && n-- > 0;) {
-        double kept = asdic_pulse_kept(&to->sim->setup.sonar, to->speed_mps, bins, n);
-        if (kept >= 1.0) {
-            return;
-        }
-        double object = h->part[ASDIC_OBJECT][n];
-        double echo = h->part[ASDIC_BOTTOM][n] + h->part[ASDIC_SURFACE][n] + object +
-                      h->part[ASDIC_MULTIPATH][n];
-        moment[n] *= object > 0.0 ? echo / (echo - object + object / kept) : 1.0;
-    }
+    smear(to, moment);
 }
 
 /* What a beam of OUT holds of each component. */
@@ -401,7 +385,7 @@ static void find_parts(const telling *to, size_t first, asdic_holdings *h) {
 
 /* Of the work the first tile is 0 before and after, and the last row always. */
 static void tell_tile(const telling *to) {
-    size_t bins = to->out->bins, tile = TILE * bins, used = to->beams * bins * sizeof(double);
+    size_t bins = to->out->bins, wide = to->wide, tile = TILE * wide;
     const asdic_truth_rows *t = &to->sim->truth;
     const asdic_ping_truth *truth = to->out->truth;
     double *most = to->work + tile, *by_surface = most + tile, *by_bottom = by_surface + tile,
@@ -413,23 +397,27 @@ static void tell_tile(const telling *to) {
         gather(to, DEV_TRUTH_BY_BOTTOM, unit, by_bottom);
         add_points_by(to, ASDIC_PATH_BY_SURFACE, by_surface);
         add_points_by(to, ASDIC_PATH_BY_BOTTOM, by_bottom);
-        smear(to, ASDIC_MULTIPATH, by_surface);
-        smear(to, ASDIC_MULTIPATH, by_bottom);
+        smear(to, by_surface);
+        smear(to, by_bottom);
     }
-    memset(most, 0, used);
+    memset(most, 0, to->beams * wide * sizeof(double));
     find_objects(to, to->work, most);
     gather_moments(to, moment);
     for (size_t b = 0; b < to->beams; b++) {
         size_t first = (to->beam + b) * bins;
-        asdic_holdings h = {.by_surface = boundaries ? by_surface + b * bins : NULL,
-                            .by_bottom = by_bottom + b * bins,
-                            .most = most + b * bins,
-                            .moment = moment + b * bins,
+        asdic_holdings h = {.by_surface = boundaries ? by_surface + b * wide : NULL,
+                            .by_bottom = by_bottom + b * wide,
+                            .most = most + b * wide,
+                            .moment = moment + b * wide,
                             .none = none};
         find_parts(to, first, &h);
-        cut_moment(to, &h, moment + b * bins);
         asdic_truth_share(&h, bins, truth, first);
     }
+}
+
+static bool is_smeared(const asdic_simulator *sim, const asdic_ping_shot *shot) {
+    return sim->setup.margin > 0 ||
+           asdic_pulse_smears(&sim->setup.sonar, shot->water.sound_speed_mps);
 }
 
 /* Tells the beams of OUT, which is what SHOT became, from BEAM on: as many as go together. */
@@ -442,21 +430,21 @@ static void tell_beams(asdic_simulator *sim, const asdic_ping_shot *shot, unsign
                   .nth = (size_t)(shot - sim->shots),
                   .beam = beam,
                   .beams = left < TILE ? left : TILE,
+                  .wide = sim->setup.bins,
                   .source_lin = asdic_simulator_source_lin(sim, &shot->water),
                   .speed_mps = shot->water.sound_speed_mps,
                   .work = sim->truth.work + worker * work_of(sim),
-                  .scratch = sim->host.scratch + worker * asdic_pulse_scratch(out->bins)};
+                  .scratch = sim->host.scratch + worker * asdic_pulse_scratch(sim->setup.bins)};
     for (size_t b = 0; b < to.beams; b++) {
         to.axis_lin[b] = asdic_beam_axis_lin(&sim->setup.sonar.receivers[beam + b]);
     }
-    to.smears = asdic_pulse_smears(&sim->setup.sonar, to.speed_mps);
+    to.smears = is_smeared(sim, shot);
     tell_tile(&to);
 }
 
 /* Whether what bins hold changes after the levels of SHOT. */
 static bool is_late(const asdic_simulator *sim, const asdic_ping_shot *shot) {
-    return sim->setup.scene->point_count > 0 ||
-           asdic_pulse_smears(&sim->setup.sonar, shot->water.sound_speed_mps);
+    return sim->setup.scene->point_count > 0 || is_smeared(sim, shot);
 }
 
 void asdic_truth_tell(asdic_simulator *sim, const asdic_ping_shot *shot, unsigned worker,

@@ -78,9 +78,11 @@ static void phase_holds_at_a_megahertz(void **state) {
     hold_phase(-250000.7654321);
 }
 
-/* The sums of the scatterers that the device made, in double. */
-static double *sum_elements(const dev_coherent *c, const dev_echo *echoes, size_t count) {
-    double *p = calloc(2 * (size_t)c->elements * c->samples, sizeof *p);
+/* The sums of the scatterers that the device made, in double: of each element the samples from BEGIN on, short of
+ * SAMPLES. */
+static double *sum_elements(const dev_coherent *c, const dev_echo *echoes, size_t count,
+                            size_t begin, size_t samples) {
+    double *p = calloc(2 * c->elements * samples, sizeof *p);
     assert_non_null(p);
     for (size_t i = 0; i < count; i++) {
         for (size_t e = 0; e < c->elements; e++) {
@@ -91,10 +93,10 @@ static double *sum_elements(const dev_coherent *c, const dev_echo *echoes, size_
                 phasor_of(-longer * ((double)c->turns_per_m + (double)c->turns_per_m_low));
             double reach = PULSE_REACH * (double)c->pulse_m,
                    first = (way - reach) / c->sample_m - 0.5;
-            for (size_t n = (size_t)fmax(ceil(first), 0.0);
-                 n < c->samples && (n + 0.5) * c->sample_m <= way + reach; n++) {
+            for (size_t n = (size_t)fmax(ceil(first), (double)begin);
+                 n < samples && (n + 0.5) * c->sample_m <= way + reach; n++) {
                 double s = pulse_at(way - (n + 0.5) * (double)c->sample_m, 1.0 / c->pulse_m);
-                double *to = p + 2 * (e * c->samples + n);
+                double *to = p + 2 * (e * samples + n);
                 to[0] += s * (turn.re * echoes[i].re - turn.im * echoes[i].im);
                 to[1] += s * (turn.re * echoes[i].im + turn.im * echoes[i].re);
             }
@@ -114,7 +116,9 @@ static void elements_agree_with_double(void **state) {
     size_t count = 0;
     assert_ok(t.ctx, asdic_coherent_echoes(sim, &echoes, &count));
     assert_in_range(count, 10000, 60000);
-    double *p = sum_elements(asdic_coherent_told(sim->coherent), echoes, count);
+    size_t begin = (size_t)ceil(r.sonar.blanking_m / ping->sample_m - 0.5 - 1e-6);
+    double *p =
+        sum_elements(asdic_coherent_told(sim->coherent), echoes, count, begin, ping->samples);
     double power = 0.0, difference = 0.0, worst = 0.0;
     for (size_t e = 0; e < ping->elements; e++) {
         for (size_t n = 0; n < ping->samples; n++) {
@@ -134,6 +138,48 @@ static void elements_agree_with_double(void **state) {
     asdic_ping_destroy(&ping);
     asdic_simulator_destroy(&sim);
     rig_destroy(&r);
+}
+
+/* Points just before and behind the end of the blanking and of the range: samples between are those of a sonar that hears
+ * from nearer and farther; before the blanking's end no echo is heard, at elements and in beams. */
+static void pulses_are_cut_by_the_ends_alone(void **state) {
+    (void)state;
+    static const double ranges_m[] = {4.95, 5.02, 19.98, 20.03};
+    asdic_ping *pings[2];
+    for (int wider = 0; wider < 2; wider++) {
+        ping_rig r = empty_array(&t);
+        r.sonar.bandwidth_hz = 2500.0; /* 0.3 m */
+        r.sonar.bin_length_m = 0.1;
+        r.sonar.blanking_m = wider ? 1.0 : 5.0;
+        r.sonar.max_range_m = wider ? 22.0 : 20.0;
+        for (int i = 0; i < 4; i++) {
+            asdic_vec3 at = {ranges_m[i], 0.0, 7.0};
+            assert_ok(t.ctx, asdic_scene_add_point(r.scene, "p", at, 0.0));
+        }
+        asdic_simulator *sim = rig_simulator(&r);
+        pings[wider] = array_shoot(&r, sim, 0);
+        asdic_simulator_destroy(&sim);
+        rig_destroy(&r);
+    }
+    for (size_t e = 0; e < pings[0]->elements; e++) {
+        for (size_t n = 0; n < pings[0]->samples; n++) {
+            bool heard = ((double)n + 0.5) * pings[0]->sample_m > 5.0;
+            for (size_t part = 0; part < 2; part++) {
+                double wide = heard ? array_at(pings[1], e, n)[part] : 0.0;
+                assert_close(array_at(pings[0], e, n)[part], wide, heard ? 1e-7 : 0.0);
+            }
+        }
+    }
+    for (size_t n = 0; n < pings[0]->bins; n++) {
+        double level = pings[0]->intensity_lin[ASDIC_TOTAL][n];
+        double whole = pings[1]->intensity_lin[ASDIC_TOTAL][n];
+        assert_close(level, n < 50 ? 0.0 : whole, n < 50 ? 0.0 : 1e-9);
+    }
+    assert_true(pings[0]->intensity_lin[ASDIC_TOTAL][50] > 1e-4 &&
+                pings[0]->intensity_lin[ASDIC_TOTAL][199] > 1e-6 &&
+                pings[1]->intensity_lin[ASDIC_TOTAL][49] > 1e-4);
+    asdic_ping_destroy(&pings[0]);
+    asdic_ping_destroy(&pings[1]);
 }
 
 #define PATTERN_BEAMS 121
@@ -417,6 +463,7 @@ int main(void) {
         cmocka_unit_test(a_point_has_level_and_phase),
         cmocka_unit_test(phase_holds_at_a_megahertz),
         cmocka_unit_test(elements_agree_with_double),
+        cmocka_unit_test(pulses_are_cut_by_the_ends_alone),
         cmocka_unit_test(beams_have_the_pattern_of_their_weights),
         cmocka_unit_test(work_groups_change_no_byte),
         cmocka_unit_test(both_sides_are_heard),

@@ -307,6 +307,57 @@ static void objects_elsewhere(void **state) {
     }
 }
 
+/* What a pulse brings from beyond the last bin: by a truth of more bins. */
+static void the_range_s_end(void **state) {
+    (void)state;
+    static const char text[] =
+        "version: 1\n"
+        "bottom: {depth_m: %g}\n"
+        "sonar: {frequency_khz: 100, bandwidth_khz: %g, max_range_m: 30, bin_length_m: 0.1,\n"
+        "  receivers: [{name: a, length_h_m: 0.1, length_v_m: 0.05, pitch_deg: %g}]}\n"
+        "mission: {pose: {position_m: [0, 0, 10]}}\n";
+    static const struct {
+        double depth_m, bandwidth_khz, pitch_deg;
+    } cases[] = {{20, 1.5, 20}, {20, 0.75, 20}, {20, 2.5, 20}, {40.2, 1.5, 90}, {39.8, 1.5, 90}};
+    enum { BEYOND = 20 };
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        char whole[1024];
+        snprintf(whole, sizeof whole, text, cases[k].depth_m, cases[k].bandwidth_khz,
+                 cases[k].pitch_deg);
+        honesty_rig r = rig_of_text(whole);
+        honesty_sum sum = {0};
+        double worst = 0.0;
+        asdic_flat_scene flat = asdic_mission_flat_scene(r.mission, 0);
+        for (uint64_t block = 0; block < 32; block++) {
+            asdic_simulator *sim = rig_simulator(&r, 4096);
+            asdic_ping *ping = new_ping(&r), *truth = NULL;
+            assert_ok(t.ctx, asdic_ping_create(t.ctx, 1, r.bins + BEYOND, &truth));
+            assert_ok(t.ctx,
+                      asdic_expected_compute(t.ctx, &flat, asdic_mission_environment(r.mission),
+                                             &r.sonar, &r.pose, truth));
+            uint64_t index = block * ASDIC_LEARN_BLOCK;
+            assert_ok(t.ctx, asdic_simulator_learn(sim, &r.pose, index));
+            assert_ok(t.ctx, asdic_simulator_ping(sim, &r.pose, index, ping));
+            size_t half = (size_t)(3.75 / cases[k].bandwidth_khz);
+            for (size_t n = r.bins - half; n < r.bins; n++) {
+                double off = asdic_level_db(ping->intensity_lin[ASDIC_TOTAL][n]) -
+                             asdic_level_db(truth->intensity_lin[ASDIC_TOTAL][n]);
+                double ratio = off / (double)ping->stderr_db[n];
+                worst = fmax(worst, fabs(off));
+                add_square(&sum, ratio * ratio);
+            }
+            asdic_ping_destroy(&ping);
+            asdic_ping_destroy(&truth);
+            asdic_simulator_destroy(&sim);
+        }
+        print_message("last bins, %g kHz, bottom at %g m: off by %.3f dB at most, true over stated "
+                      "%.2f\n",
+                      cases[k].bandwidth_khz, cases[k].depth_m, worst, rms_of(sum));
+        assert_true(worst < 0.15 && rms_of(sum) < 2.0);
+        rig_close(&r);
+    }
+}
+
 static void several_beams(void **state) {
     (void)state;
     static const honesty_case cases[] = {
@@ -781,6 +832,7 @@ int main(void) {
         cmocka_unit_test(short_bins),
         cmocka_unit_test(rough_bottoms),
         cmocka_unit_test(objects_elsewhere),
+        cmocka_unit_test(the_range_s_end),
         cmocka_unit_test(several_beams),
         cmocka_unit_test(a_dive_learns_anew),
         cmocka_unit_test(a_level_turn_does_not),

@@ -122,6 +122,74 @@ static void pulses_are_cut_at_both_ends(void **state) {
     rig_destroy(&r);
 }
 
+/* Of pulses of ten bins, echoes of points and of their mirror images are in each bin what they are of a longer range: from
+ * just before its end, and from beyond. */
+static void the_range_s_end_changes_no_echo(void **state) {
+    (void)state;
+    static const double across_m[] = {26.6, 27.2, 28.9, 30.0};
+    for (int i = 0; i < 4; i++) {
+        asdic_ping *pings[2];
+        for (int longer = 0; longer < 2; longer++) {
+            ping_rig r = empty_sea();
+            asdic_scene_set_surface(r.scene, true);
+            r.env.wind_speed_kn = 0.0;
+            r.sampling.multipath = ASDIC_MULTIPATH_BOUNDARIES;
+            r.sonar.max_range_m = longer ? 40.0 : 29.0;
+            r.sonar.bandwidth_hz = asdic_environment_sound_speed_mps(&r.env, 7.0) / (2.0 * 5.0);
+            assert_ok(t.ctx, asdic_scene_add_point(r.scene, "sphere",
+                                                   (asdic_vec3){across_m[i], 0.0, 4.0}, 30.0));
+            pings[longer] = rig_shoot(&r, 3, true);
+            rig_destroy(&r);
+        }
+        assert_int_equal(pings[0]->bins, 58);
+        for (int k = 0; k < 2; k++) {
+            double most = 0.0;
+            asdic_component c = k ? ASDIC_MULTIPATH : ASDIC_OBJECT;
+            for (size_t n = 0; n < 58; n++) {
+                double echo = pings[1]->intensity_lin[c][n];
+                most = fmax(most, echo);
+                assert_close(pings[0]->intensity_lin[c][n], echo, 1e-3 * most);
+            }
+            assert_true(pings[1]->intensity_lin[c][57] > 0.1 * most);
+        }
+        asdic_ping_destroy(&pings[0]);
+        asdic_ping_destroy(&pings[1]);
+    }
+}
+
+/* A pulse begins before the blanking's end, or ends behind it: what is behind is heard, and what is before is not, not even
+ * in a bin whose end is the blanking's within rounding. */
+static void the_blanking_cuts_pulses_alone(void **state) {
+    (void)state;
+    static const double blanking_m[] = {2.3, 0.7, 0.6, 1.2};
+    for (int i = 0; i < 4; i++) {
+        asdic_ping *pings[2];
+        for (int early = 0; early < 2; early++) {
+            ping_rig r = empty_sea();
+            r.sonar.max_range_m = 4.0;
+            r.sonar.bin_length_m = 0.1;
+            r.sonar.blanking_m = early ? 0.1 : blanking_m[i];
+            r.sonar.bandwidth_hz = asdic_environment_sound_speed_mps(&r.env, 7.0) / (2.0 * 0.51);
+            for (int side = -1; side <= 1; side += 2) {
+                double range_m = blanking_m[i] + 0.15 * side;
+                assert_ok(t.ctx, asdic_scene_add_point(r.scene, "sphere", place(range_m, 0.0, 0.0),
+                                                       -30.0));
+            }
+            pings[early] = rig_shoot(&r, 3, true);
+            rig_destroy(&r);
+        }
+        size_t deaf = (size_t)(blanking_m[i] / 0.1 + 0.5);
+        for (size_t n = 0; n < pings[0]->bins; n++) {
+            double echo = n < deaf ? 0.0 : pings[1]->intensity_lin[ASDIC_OBJECT][n];
+            assert_close(pings[0]->intensity_lin[ASDIC_OBJECT][n], echo, 1e-9 * echo);
+            assert_true(n >= deaf || pings[0]->intensity_lin[ASDIC_TOTAL][n] == 0.0);
+        }
+        assert_true(pings[0]->intensity_lin[ASDIC_OBJECT][deaf] > 0.0);
+        asdic_ping_destroy(&pings[0]);
+        asdic_ping_destroy(&pings[1]);
+    }
+}
+
 /* The same bytes for every ping, seed and number of rays. */
 static void points_have_no_sampling_error(void **state) {
     (void)state;
@@ -336,6 +404,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(points_meet_the_sonar_equation),
         cmocka_unit_test(pulses_are_cut_at_both_ends),
+        cmocka_unit_test(the_range_s_end_changes_no_echo),
+        cmocka_unit_test(the_blanking_cuts_pulses_alone),
         cmocka_unit_test(points_have_no_sampling_error),
         cmocka_unit_test(points_are_hidden),
         cmocka_unit_test(points_are_heard_over_mirrors),

@@ -482,8 +482,54 @@ static void too_many_bins_are_refused(void **state) {
     end(&s);
 }
 
+/* The part of bin BIN that a window of LENGTH bins round bin N's middle takes. */
+static double part_of(int bin, int n, double length) {
+    double from = fmax(bin - n, 0.5 - 0.5 * length), to = fmin(bin - n + 1.0, 0.5 + 0.5 * length);
+    return fmax(to - from, 0.0);
+}
+
+/* A pulse longer than a bin takes the mean over its length of bins that are sharp, of those beyond the last and before the
+ * blanking's end, too; before that nothing is heard, not even in a bin that ends there within rounding. */
+static void pulses_reach_over_both_ends(void **state) {
+    (void)state;
+    enum { BINS = 100, BEYOND = 10 };
+    static const double blanking_m[] = {3.0, 0.3, 0.6, 1.2}, altitude_m[] = {9.9, 10.08, 2.0};
+    for (int i = 0; i < 4 * 3; i++) {
+        setup s = begin();
+        s.sonar.bin_length_m = 0.1;
+        s.sonar.bandwidth_hz = 50e3;
+        s.sonar.blanking_m = 0.01;
+        s.receiver.pitch_rad = 40.0 * DEGREE;
+        s.flat.altitude_m = altitude_m[i / 4];
+        asdic_ping *sharp = compute(&s, BINS + BEYOND);
+        double c = sound_speed_medwin_mps(s.env.temperature_degc, s.env.salinity_ppt, 7.0);
+        double length = fmin(5.3, blanking_m[i % 4] / 0.2), worst = 0.0; /* from half of it on */
+        s.sonar.blanking_m = blanking_m[i % 4];
+        s.sonar.bandwidth_hz = c / (2.0 * length * 0.1);
+        asdic_ping *ping = compute(&s, BINS);
+        for (int n = 0; n < BINS; n++) {
+            double sum = 0.0, total = ping->intensity_lin[ASDIC_TOTAL][n];
+            for (int k = 0; k < BINS + BEYOND; k++) {
+                sum += sharp->intensity_lin[ASDIC_TOTAL][k] * part_of(k, n, length) / length;
+            }
+            if ((n + 0.5) * 0.1 < blanking_m[i % 4]) {
+                assert_true(total == 0.0);
+            } else {
+                worst = fmax(worst, fabs(10.0 * log10(total / sum)));
+            }
+        }
+        print_message("blanked to %g m, bottom %g m below: off by %.2g dB at most\n",
+                      blanking_m[i % 4], altitude_m[i / 4], worst);
+        assert_true(worst < 1e-3);
+        asdic_ping_destroy(&sharp);
+        asdic_ping_destroy(&ping);
+        end(&s);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(pulses_reach_over_both_ends),
         cmocka_unit_test(any_aim_agrees_with_a_plain_sum),
         cmocka_unit_test(bins_add_up),
         cmocka_unit_test(symmetries_hold),

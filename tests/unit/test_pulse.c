@@ -50,7 +50,7 @@ static int tear_down(void **state) {
 static void smear(rig *r, double length) {
     r->sonar.bin_length_m = 0.1;
     r->sonar.bandwidth_hz = 1500.0 / (2.0 * length * r->sonar.bin_length_m);
-    asdic_pulse_smear(&r->sonar, 1500.0, 1, r->scratch, r->ping);
+    asdic_pulse_smear(&r->sonar, 1500.0, 1, r->scratch, r->ping, r->ping);
 }
 
 /* Energy of 1 in one bin spreads over five; a bin that holds nothing but its neighbour's energy errs as
@@ -63,7 +63,7 @@ static void pulse_keeps_energy_and_widens(void **state) {
     smear(r, 5.0);
     for (int n = 0; n < BINS; n++) {
         double expected = n >= 18 && n <= 22 ? 0.2 : 0.0;
-        double share = asdic_pulse_share(&r->sonar, 1500.0, BINS, (size_t)n);
+        double share = asdic_pulse_share(&r->sonar, 1500.0, (size_t)n);
         sum += bottom[n];
         assert_close(bottom[n], expected, 1e-12);
         assert_close(r->ping->intensity_lin[ASDIC_TOTAL][n], expected, 1e-12);
@@ -73,7 +73,7 @@ static void pulse_keeps_energy_and_widens(void **state) {
     assert_close(sum, 1.0, 1e-12);
     smear(r, 0.99); /* shorter than a bin: untouched */
     assert_close(bottom[18], 0.2, 1e-12);
-    assert_close(asdic_pulse_share(&r->sonar, 1500.0, BINS, 18), 1.0, 0.0);
+    assert_close(asdic_pulse_share(&r->sonar, 1500.0, 18), 1.0, 0.0);
 }
 
 /* What falls of BIN's energy, evenly spread over it, into a window of LENGTH round bin N's centre. */
@@ -85,7 +85,7 @@ static double part_of(int bin, int n, double length) {
 
 /* Every component over 200 dB, of two beams, in windows of any length, longer than the ping, too (none
  * that ends with a bin, where rounding decides of a louder neighbour); noise stays, and the total is the
- * sum of all. A window that reaches beyond the last bin takes the mean of what it has. */
+ * sum of all. Beyond the last bin there is nothing. */
 static void pulse_is_a_window_s_mean(void **state) {
     rig *r = *state;
     double before[ASDIC_COMPONENT_COUNT][2 * BINS];
@@ -107,9 +107,9 @@ static void pulse_is_a_window_s_mean(void **state) {
             int n = at % BINS, first = at - n;
             double total = 0.0;
             for (int c = ASDIC_TOTAL + 1; c < ASDIC_COMPONENT_COUNT; c++) {
-                double sum = 0.0, beyond = fmax(n + 0.5 + 0.5 * lengths[i] - BINS, 0.0);
+                double sum = 0.0;
                 for (int k = 0; k < BINS; k++) {
-                    sum += before[c][first + k] * part_of(k, n, lengths[i]) / (lengths[i] - beyond);
+                    sum += before[c][first + k] * part_of(k, n, lengths[i]) / lengths[i];
                 }
                 sum = c == ASDIC_NOISE ? before[c][at] : sum;
                 assert_close(r->ping->intensity_lin[c][at], sum, 1e-9 * sum);
@@ -121,28 +121,64 @@ static void pulse_is_a_window_s_mean(void **state) {
     }
 }
 
-/* An object's echo does not go on beyond the last bin: each bin that its pulse reaches keeps as much, and the rest is
- * lost. A bottom's is as loud again as what it lacks. */
-static void what_an_object_sends_beyond_the_end_is_lost(void **state) {
+/* Of a ping with the margin that its pulse asks for, the first bins are what they are of any longer ping. */
+static void what_lies_beyond_the_end_is_heard(void **state) {
     rig *r = *state;
-    const int from = BINS - 2; /* the pulse of five bins is heard in four */
-    double *object = r->ping->intensity_lin[ASDIC_OBJECT];
-    double *bottom = r->ping->intensity_lin[ASDIC_BOTTOM];
-    object[from] = bottom[BINS + from] = 1.0;
-    r->ping->intensity_lin[ASDIC_TOTAL][from] = r->ping->intensity_lin[ASDIC_TOTAL][BINS + from] =
-        1.0;
-    smear(r, 5.0);
-    for (int n = 0; n < BINS; n++) {
-        double heard = n >= from - 2 ? 1.0 : 0.0;
-        assert_close(object[n], heard / 5.0, 1e-12);
-        assert_close(r->ping->intensity_lin[ASDIC_TOTAL][n], heard / 5.0, 1e-12);
-        assert_close(bottom[BINS + n], heard / (2.5 + fmin(2.5, BINS - n - 0.5)), 1e-12);
+    static const double lengths[] = {1.01, 3.1, 4.4, 9.9, 17.2};
+    for (size_t i = 0; i < sizeof lengths / sizeof *lengths; i++) {
+        r->sonar.bin_length_m = 0.1;
+        r->sonar.bandwidth_hz = 1500.0 / (2.0 * lengths[i] * r->sonar.bin_length_m);
+        size_t margin = asdic_pulse_margin(&r->sonar, 1500.0, BINS), bins = BINS - margin;
+        assert_int_equal(margin, (size_t)ceil(0.5 * (lengths[i] - 1.0)));
+        asdic_ping *out = NULL;
+        assert_ok(r->ctx, asdic_ping_create(r->ctx, 2, bins, &out));
+        for (int at = 0; at < 2 * BINS; at++) {
+            double energy = 1.0 + at * at;
+            r->ping->intensity_lin[ASDIC_BOTTOM][at] = energy;
+            r->ping->intensity_lin[ASDIC_NOISE][at] = 0.5;
+            r->ping->intensity_lin[ASDIC_TOTAL][at] = energy + 0.5;
+            r->ping->stderr_db[at] = 0.2f;
+        }
+        r->ping->rays = 77;
+        asdic_pulse_smear(&r->sonar, 1500.0, 1, r->scratch, r->ping, out);
+        for (size_t at = 0; at < 2 * bins; at++) {
+            int n = (int)(at % bins), first = at < bins ? 0 : BINS;
+            double sum = 0.0, all = 0.0;
+            for (int k = 0; k < BINS; k++) {
+                double part = part_of(k, n, lengths[i]) / lengths[i];
+                sum += (1.0 + (first + k) * (first + k)) * part;
+                all += part;
+            }
+            assert_close(out->intensity_lin[ASDIC_BOTTOM][at], sum, 1e-9 * sum);
+            assert_close(out->intensity_lin[ASDIC_NOISE][at], 0.5, 0.0);
+            assert_close(out->intensity_lin[ASDIC_TOTAL][at], sum + 0.5, 1e-9 * sum);
+            assert_close(out->stderr_db[at], 0.2 * (sum + 0.5 * all) / (sum + 0.5), 1e-6);
+            assert_true(n < (int)margin || fabs(all - 1.0) < 1e-12);
+        }
+        assert_int_equal(out->rays, 77);
+        asdic_ping_destroy(&out);
     }
-    object[0] = 1.0; /* of a pulse that is longer than the ping */
-    memset(object + 1, 0, (BINS - 1) * sizeof *object);
-    smear(r, 160.0);
-    for (int n = 0; n < BINS; n++) {
-        assert_close(object[n], 1.0 / 160.0, 1e-12);
+    r->sonar.bandwidth_hz = 1500.0 / (2.0 * 0.9 * r->sonar.bin_length_m);
+    assert_int_equal(asdic_pulse_margin(&r->sonar, 1500.0, BINS), 0);
+    r->sonar.bandwidth_hz = 1.0; /* longer than the ping */
+    assert_int_equal(asdic_pulse_margin(&r->sonar, 1500.0, BINS), BINS);
+}
+
+/* Where listening begins: by half a pulse, in whole bins, before the blanking's end, at half of it at the earliest. An end
+ * that rounding parts from a bin's is the very number of that. */
+static void what_reaches_over_the_blanking_is_heard(void **state) {
+    rig *r = *state;
+    static const struct {
+        double blanking_m, length, from;
+    } cases[] = {{2.0, 0.9, 20.0}, {2.0, 5.0, 18.0}, {2.04, 5.0, 18.0}, {2.0, 5.1, 17.0},
+                 {0.3, 0.9, 3.0},  {0.3, 5.0, 1.5},  {0.7, 0.9, 7.0},   {1.23, 0.9, 12.3}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        r->sonar.bin_length_m = 0.1;
+        r->sonar.blanking_m = cases[i].blanking_m;
+        r->sonar.bandwidth_hz = 1500.0 / (2.0 * cases[i].length * r->sonar.bin_length_m);
+        double from = cases[i].from * r->sonar.bin_length_m;
+        assert_close(asdic_pulse_from_m(&r->sonar, 1500.0), from,
+                     cases[i].from == 12.3 ? 1e-12 : 0.0);
     }
 }
 
@@ -171,8 +207,7 @@ static void nothing_is_heard_before_the_blanking_s_end(void **state) {
             assert_close(r->ping->intensity_lin[ASDIC_TOTAL][n], 2.0 * heard + 1e-3, 1e-12);
             assert_true(heard > 1e-12 ? r->ping->stderr_db[n] > 0.0f
                                       : r->ping->stderr_db[n] < 1e-9f);
-            assert_close(asdic_pulse_share(&r->sonar, 1500.0, BINS, (size_t)n), behind / 11.0,
-                         1e-12);
+            assert_close(asdic_pulse_share(&r->sonar, 1500.0, (size_t)n), behind / 11.0, 1e-12);
         }
     }
 }
@@ -189,7 +224,7 @@ static void threads_do_not_share_their_room(void **state) {
         for (size_t i = 0; i < 4 * own; i++) {
             room[i] = -1.0;
         }
-        asdic_pulse_smear(&sonar, 1500.0, 4, room, r->ping);
+        asdic_pulse_smear(&sonar, 1500.0, 4, room, r->ping, r->ping);
         for (size_t i = 0; i < 4 * own; i++) {
             assert_true(i / own == worker || room[i] == -1.0);
         }
@@ -202,8 +237,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(pulse_keeps_energy_and_widens, set_up, tear_down),
         cmocka_unit_test_setup_teardown(pulse_is_a_window_s_mean, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(what_an_object_sends_beyond_the_end_is_lost, set_up,
-                                        tear_down),
+        cmocka_unit_test_setup_teardown(what_lies_beyond_the_end_is_heard, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(what_reaches_over_the_blanking_is_heard, set_up, tear_down),
         cmocka_unit_test_setup_teardown(nothing_is_heard_before_the_blanking_s_end, set_up,
                                         tear_down),
         cmocka_unit_test_setup_teardown(threads_do_not_share_their_room, set_up, tear_down),

@@ -66,7 +66,8 @@ typedef struct asdic_sonar {
     double ping_rate_hz;    /* no echo from beyond c / (2 ping_rate) is received */
     double source_level_db; /* dB re 1 uPa at 1 m, after pulse compression */
     double bin_length_m;
-    double blanking_m; /* nothing nearer is received */
+    double
+        blanking_m; /* no echo is heard before it; the end of a pulse from nearer is, behind it */
     asdic_beam transmitter;
     const asdic_beam *receivers; /* borrowed: must outlive the call it is passed to */
     size_t receiver_count;       /* 1..ASDIC_SONAR_MAX_RECEIVERS */

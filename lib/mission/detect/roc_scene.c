@@ -264,7 +264,7 @@ static double echo_lin(const scene_job *job, size_t beam, double range_m) {
     double back =
         bends ? bent_echo_lin(job, beam, far_m, u)
               : gain_lin(job, beam, u) * ray_transmission(job->water.absorption_np_per_m, far_m);
-    return back * asdic_pulse_share(sonar, job->water.sound_speed_mps, job->bins, bin) *
+    return back * asdic_pulse_share(sonar, job->water.sound_speed_mps, bin) *
            asdic_water_column_source_lin(&job->water, env, sonar);
 }
 

@@ -146,7 +146,7 @@ static const asdic_key sonar_keys[] = {
     {"bin_length_m", ASDIC_KEY_NUMBER, SONAR(bin_length_m), .unit = "m", .min = 0.001, .max = 1000,
      .fallback = "0.5", .doc = "length of a range bin"},
     {"blanking_m", ASDIC_KEY_NUMBER, SONAR(blanking_m), .unit = "m", .min = 0.01, .max = 10000,
-     .fallback = "0.5", .doc = "nothing nearer is received"},
+     .fallback = "0.5", .doc = "no echo is heard before it"},
     {"transmitter", ASDIC_KEY_MAP, SONAR(transmitter), .table = &transmitter_table,
      .doc = "the transmitting aperture"},
     {"receivers", ASDIC_KEY_LIST, ASDIC_KEY_REQUIRED | ASDIC_KEY_AT_MOST_ONE, SONAR(receivers),
