@@ -13,6 +13,7 @@
 #include "mission/scene_file/scene_keys.h"
 #include "mission/scene_file/yaml_print.h"
 #include "sim/array.h"
+#include "sim/pulse.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -111,8 +112,10 @@ static asdic_status build(mission_builder *b) {
 
 static asdic_status check_memory(asdic_context *ctx, const asdic_mission *m) {
     const asdic_sonar *sonar = asdic_mission_sonar(m);
-    size_t bins = asdic_sonar_bin_count(sonar, asdic_mission_speed_mps(m));
-    uint64_t needed = (uint64_t)sonar->receiver_count * bins * LEVEL_BYTES;
+    double speed_mps = asdic_mission_speed_mps(m);
+    size_t bins = asdic_sonar_bin_count(sonar, speed_mps);
+    size_t margin = asdic_pulse_margin(sonar, speed_mps, bins);
+    uint64_t needed = (uint64_t)sonar->receiver_count * (bins + margin) * LEVEL_BYTES;
     char what[64];
     snprintf(what, sizeof what, "%zu beams of %zu bins need", sonar->receiver_count, bins);
     return asdic_memory_check(ctx, needed, asdic_memory_left(), what,

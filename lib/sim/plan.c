@@ -5,6 +5,7 @@
 #include "base/try.h"
 #include "base/vec.h"
 #include "bent_ray.h"
+#include "coherent.h"
 #include "noise_level.h"
 #include "plan_case.h"
 #include "quadrature_ping.h"
@@ -40,8 +41,10 @@ static void span(asdic_plan_case *c) {
             c->altitude_least_m = fmin(c->altitude_least_m, c->scene->bottom_plane_depth_m - z);
         }
     }
-    c->range_m =
-        (double)asdic_sonar_bin_count(c->sonar, c->water.sound_speed_mps) * c->sonar->bin_length_m;
+    size_t bins = asdic_sonar_bin_count(c->sonar, c->water.sound_speed_mps);
+    asdic_hearing h = asdic_hearing_of(c->sonar, c->sampling, c->water.sound_speed_mps, bins);
+    c->range_m = (double)(bins + h.margin) * c->sonar->bin_length_m;
+    c->from_m = h.from_m;
     c->bends = asdic_environment_bends(c->env);
     c->reach_m =
         c->bends ? c->range_m * fmax(fastest_mps(c) / c->water.sound_speed_mps, 1.0) : c->range_m;
@@ -97,8 +100,7 @@ static double volume_bound_db(const asdic_plan_case *c) {
     double solid_angle = transmit_solid_angle(c->sonar, c->water.wavelength_m);
     size_t bins = (size_t)(c->range_m / c->sonar->bin_length_m + 0.5);
     for (size_t n = 0; n < bins; n++) {
-        double part =
-            asdic_water_column_volume(&c->water, c->sonar->bin_length_m, c->sonar->blanking_m, n);
+        double part = asdic_water_column_volume(&c->water, c->sonar->bin_length_m, c->from_m, n);
         most = fmax(most, source * strength * solid_angle * part);
     }
     return asdic_plan_change_db(c->bends ? most / ASDIC_LEAST_SPREAD : most, c->noise_lin);
@@ -112,7 +114,7 @@ static double surface_bound_db(const asdic_plan_case *c) {
     double source = pow(10.0, c->sonar->source_level_db / 10.0), most = 0.0;
     double bin = c->sonar->bin_length_m;
     size_t bins = (size_t)(c->range_m / bin + 0.5);
-    for (size_t n = (size_t)(fmax(c->depth_least_m, c->sonar->blanking_m) / bin); n < bins; n++) {
+    for (size_t n = (size_t)(fmax(c->depth_least_m, c->from_m) / bin); n < bins; n++) {
         double near = fmax((double)n * bin, 1e-3);
         double sin_grazing = fmin(1.0, ray_plane_grazing(fmax(c->depth_most_m, 0.0), near));
         double scatter = rises ? asdic_scatterer_strength(&surface, sin_grazing)

@@ -20,7 +20,7 @@ typedef struct asdic_plan_case {
     double noise_lin;         /* least of any bin; 0: none */
     double depth_least_m, depth_most_m;
     double altitude_least_m; /* above a bottom plane; INFINITY without one */
-    double range_m;
+    double range_m, from_m;  /* what is heard, pulses included, see pulse.h */
     /* Whether rays bend; how far what is heard within range may lie: farther where the water on the
      * way is faster than at the sonar. */
     bool bends;

@@ -150,7 +150,7 @@ static void judge_pose(const asdic_plan_case *c, const bounds *b, size_t part, d
     if (!(c->noise_lin > 0.0) || v->echo_lin == INFINITY) {
         return;
     }
-    if (s.nearest_m <= fmax(c->sonar->blanking_m, 0.1)) {
+    if (s.nearest_m <= fmax(c->from_m, 0.1)) {
         v->echo_lin = v->bounce_lin = INFINITY;
         return;
     }
