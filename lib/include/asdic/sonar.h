@@ -66,8 +66,7 @@ typedef struct asdic_sonar {
     double ping_rate_hz;    /* no echo from beyond c / (2 ping_rate) is received */
     double source_level_db; /* dB re 1 uPa at 1 m, after pulse compression */
     double bin_length_m;
-    double
-        blanking_m; /* no echo is heard before it; the end of a pulse from nearer is, behind it */
+    double blanking_m; /* no echo is heard before it; behind it a pulse's tail from nearer is */
     asdic_beam transmitter;
     const asdic_beam *receivers; /* borrowed: must outlive the call it is passed to */
     size_t receiver_count;       /* 1..ASDIC_SONAR_MAX_RECEIVERS */
