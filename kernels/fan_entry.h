@@ -24,8 +24,10 @@
 #define DEPOSITS 4u
 #define SPAN 4u
 
-/* Sums of a bin: its components', then, where truth is wanted, that of depressions (truth.h). */
-#define SUMS (ASDIC_COMPONENTS + ASDIC_TRUTH)
+/* Sums of a bin: its components', then, where truth is wanted, that of depressions (truth.h). Behind them, where
+ * there are mirrors, is no sum but the largest deposit of theirs. */
+#define LARGEST (ASDIC_COMPONENTS + ASDIC_TRUTH)
+#define SUMS (LARGEST + ASDIC_HAS_MIRRORS)
 
 /* Up to four deposits from one direction. Their bins are KEY, the list's own bin, to KEY + SPAN - 1. */
 typedef struct fan_entry {
@@ -74,6 +76,11 @@ static inline uint component_of(uint truth) {
 /* The sum that deposit C of ROWS goes to. */
 static inline uint sum_at(uint rows, uint c) {
     return (rows >> c / 2u * ROW_BITS & ((1u << ROW_BITS) - 1u)) + c % 2u * SUMS;
+}
+
+/* Whether deposit C of ROWS came by way of a mirror. */
+static inline bool is_mirrored(uint rows, uint c) {
+    return ASDIC_HAS_MIRRORS && sum_at(rows, c) % SUMS == DEV_DEPOSIT_MULTIPATH;
 }
 
 /* Whether any deposit of ROWS lies BINS bins beyond KEY, or more. */

@@ -100,6 +100,11 @@ static inline truth_cells cells_of(__global const dev_ping *ping, const fan_trut
 #define TRUTH_ARGUMENT
 #endif
 
+/* SUM of this batch and BEFORE, that of those before. */
+static inline real both_of(uint sum, real own, real before) {
+    return ASDIC_HAS_MIRRORS && sum == LARGEST ? r_max(own, before) : own + before;
+}
+
 #if ASDIC_WIDTH == 1
 
 /* Of one bin and receiver. */
@@ -143,6 +148,11 @@ static void add_list(__global const dev_ping *ping, __global const fan_entry *en
             uint row = sum_at(rows, c);
             float quanta = row / SUMS == beyond ? entries[k].quanta[c] : 0.0f;
             float sum = 0.0f;
+#if ASDIC_HAS_MIRRORS
+            if (is_mirrored(rows, c)) {
+                sums->of[LARGEST] = r_max(sums->of[LARGEST], quanta * gain);
+            }
+#endif
 #pragma unroll
             for (uint component = 0; component < ASDIC_COMPONENTS; component++) {
                 sum = row % SUMS == component ? sums->of[component] : sum;
@@ -178,7 +188,7 @@ static void project(__global const dev_ping *ping, __global const fan_entry *ent
 #pragma unroll
     for (uint c = 0; c < SUMS; c++) {
         __global float *to = results + (size_t)(c)*DEV_FAN_ROW(ping->bins);
-        *to = sums.of[c] + (add != 0u ? *to : 0.0f);
+        *to = add != 0u ? both_of(c, sums.of[c], *to) : sums.of[c];
     }
 }
 
@@ -238,6 +248,14 @@ static inline void put(const fan_run *run, uint c, real sum, real down) {
     *to = sum;
 }
 
+/* A mirror's deposit C of RUN is one of SINGLE. */
+static inline void put_largest(const fan_run *run, uint c, real single) {
+    if (is_mirrored(run->entry->rows, c)) {
+        real *to = sum_of(run, c) + (LARGEST - DEV_DEPOSIT_MULTIPATH) * PARTS;
+        *to = r_max(*to, single);
+    }
+}
+
 /* What multiplies the echoes of ENTRY for the sum of depressions. */
 static inline real down_of(__global const fan_entry *entry) {
 #if ASDIC_TRUTH
@@ -250,14 +268,16 @@ static inline real down_of(__global const fan_entry *entry) {
 /* Entries of a run whose gains are found first, then used: either takes most of a processor's registers. */
 #define TOGETHER 32u
 
-/* Adds RUN, for one vector of receivers after the other. UNLIKE: each entry has its own depression. */
+/* Adds RUN, for one vector of receivers after the other. UNLIKE: each entry has its own depression. MIRRORED: deposits
+ * came by way of mirrors. */
 WITHIN void add_run(__global const dev_ping *ping, fan_run run, const receivers *r, uint parts,
-                    const bool unlike) {
+                    const bool unlike, const bool mirrored) {
     for (fan_run to = run; to.p < parts; to.p++) {
         const real b0 = *sum_of(&to, 0u), b1 = *sum_of(&to, 1u);
         const real b2 = *sum_of(&to, 2u), b3 = *sum_of(&to, 3u);
         real s0 = b0, s1 = b1, s2 = b2, s3 = b3;
         real d0 = R(0.0), d1 = R(0.0), d2 = R(0.0), d3 = R(0.0);
+        real l0 = R(0.0), l1 = R(0.0), l2 = R(0.0), l3 = R(0.0);
         for (uint from = 0; from < to.count; from += TOGETHER) {
             __global const fan_entry *entries = to.entry + from;
             const uint count = min(to.count - from, TOGETHER);
@@ -271,6 +291,12 @@ WITHIN void add_run(__global const dev_ping *ping, fan_run run, const receivers 
                 s1 = r_fma((real)(entry->quanta[1]), gain[k], s1);
                 s2 = r_fma((real)(entry->quanta[2]), gain[k], s2);
                 s3 = r_fma((real)(entry->quanta[3]), gain[k], s3);
+                if (mirrored) {
+                    l0 = r_max(l0, (real)(entry->quanta[0]) * gain[k]);
+                    l1 = r_max(l1, (real)(entry->quanta[1]) * gain[k]);
+                    l2 = r_max(l2, (real)(entry->quanta[2]) * gain[k]);
+                    l3 = r_max(l3, (real)(entry->quanta[3]) * gain[k]);
+                }
                 if (unlike) {
                     real down = gain[k] * down_of(entry);
                     d0 = r_fma((real)(entry->quanta[0]), down, d0);
@@ -287,19 +313,32 @@ WITHIN void add_run(__global const dev_ping *ping, fan_run run, const receivers 
         put(&to, 1u, s1, unlike ? d1 : (s1 - b1) * down);
         put(&to, 2u, s2, unlike ? d2 : (s2 - b2) * down);
         put(&to, 3u, s3, unlike ? d3 : (s3 - b3) * down);
+        if (mirrored) {
+            put_largest(&to, 0u, l0);
+            put_largest(&to, 1u, l1);
+            put_largest(&to, 2u, l2);
+            put_largest(&to, 3u, l3);
+        }
     }
 }
 
 /* Apart: else compilers make one loop of both. */
 static APART void add_run_alike(__global const dev_ping *ping, fan_run run, const receivers *r,
                                 uint parts) {
-    add_run(ping, run, r, parts, false);
+    add_run(ping, run, r, parts, false, false);
 }
+
+#if ASDIC_HAS_MIRRORS
+static APART void add_run_mirrored(__global const dev_ping *ping, fan_run run, const receivers *r,
+                                   uint parts) {
+    add_run(ping, run, r, parts, false, true);
+}
+#endif
 
 #if ASDIC_TRUTH
 static APART void add_run_unlike(__global const dev_ping *ping, fan_run run, const receivers *r,
                                  uint parts) {
-    add_run(ping, run, r, parts, true);
+    add_run(ping, run, r, parts, true, ASDIC_HAS_MIRRORS);
 }
 #endif
 
@@ -313,6 +352,7 @@ static APART void add_alone(__global const dev_ping *ping, fan_run run, const re
             for (uint c = 0; c < DEPOSITS; c++) {
                 real quanta = (real)(entry->quanta[c]);
                 put(&to, c, r_fma(quanta, gain, *sum_of(&to, c)), quanta * gain * down_of(entry));
+                put_largest(&to, c, quanta * gain);
             }
         }
     }
@@ -335,6 +375,12 @@ static void add_list(__global const dev_ping *ping, __global const fan_entry *en
 #if ASDIC_TRUTH
         if ((entry->truth & DEPTHS_UNLIKE) != 0u) {
             add_run_unlike(ping, run, r, sums->parts);
+            continue;
+        }
+#endif
+#if ASDIC_HAS_MIRRORS
+        if (is_mirrored(entry->rows, 0u)) {
+            add_run_mirrored(ping, run, r, sums->parts);
             continue;
         }
 #endif
@@ -400,7 +446,7 @@ static void store_sums(const fan_sums *sums, uint component, uint p, uint receiv
     transpose(v);
     for (uint k = 0; k < receivers; k++) {
         __global float *row = to + k * stride;
-        STORE_REAL(add != 0u ? v[k] + LOAD_REAL(row) : v[k], row);
+        STORE_REAL(add != 0u ? both_of(component, v[k], LOAD_REAL(row)) : v[k], row);
     }
 }
 

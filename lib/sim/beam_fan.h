@@ -21,7 +21,7 @@ typedef struct asdic_beam_fan {
     bool common_axis; /* faces of one size that differ in yaw about one axis only */
     unsigned blocks;  /* of rays, that are sorted at the same time */
     unsigned width;   /* receivers of a vector */
-    size_t sums;      /* of a bin and receiver: components, and where truth is wanted depressions */
+    size_t sums;      /* of a bin and receiver, as in fan_entry.h */
     size_t row; /* floats of the results of one sum and receiver: bins, and what fills lines up */
     asdic_kernel *count, *place, *scatter, *runs, *project;
     asdic_buffer *counts, *made, *lists, *entries;

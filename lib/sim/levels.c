@@ -309,6 +309,18 @@ static const asdic_stated_error *choose_stated(const conversion *k, size_t at,
     return objects ? chosen : others;
 }
 
+/* The LARGEST of the echoes that single rays bring by way of mirrors might as well have gone to another bin: by so much
+ * ERROR is more where there are few beside it, less the more there are. MULTIPATH is what they bring together. */
+WIDEST static void restate_single(const float *restrict largest, double unit,
+                                  const double *restrict loss, const double *restrict multipath,
+                                  size_t bins, double *restrict error) {
+    for (size_t n = 0; n < bins; n++) {
+        double single = (double)largest[n] * unit * loss[n];
+        double least = multipath[n] > 0.0 ? single * single / multipath[n] : 0.0;
+        error[n] = error[n] > least ? error[n] : least;
+    }
+}
+
 /* convert_beam of a fan. */
 static void convert_fan_beam(const conversion *k, unsigned worker, size_t beam) {
     const asdic_simulator *sim = k->sim;
@@ -344,6 +356,12 @@ static void convert_fan_beam(const conversion *k, unsigned worker, size_t beam) 
             const asdic_stated_error *stated =
                 choose_stated(k, at, objects ? objects + n : NULL, others + n, echo, count, chosen);
             estimate_errors(stated, none, MOST_LESS_MANY, echo, noise_lin, count, error);
+            if (shot->ping->sums.present & 1u << DEV_DEPOSIT_MULTIPATH) {
+                const float *largest =
+                    asdic_beam_fan_row(&sim->fan, shot->sums, beam, sim->fan.sums - 1) + n;
+                restate_single(largest, k->unit[DEV_DEPOSIT_MULTIPATH] * gain, shot->loss + n,
+                               k->out->intensity_lin[ASDIC_MULTIPATH] + at, count, error);
+            }
         }
         end_block(echo, noise_lin, error, at, count, k->out);
     }

@@ -343,7 +343,7 @@ static asdic_status bring_scene(asdic_simulator *sim, const asdic_water_column *
     sim->setup.components = sim->setup.has_mirrors ? DEV_DEPOSIT_COUNT
                             : scene_echoes(sim)    ? DEV_DEPOSIT_OBJECT + 1u
                                                    : DEV_DEPOSIT_OBJECT;
-    sim->fan.sums = sim->setup.components + sim->setup.sampling.truth;
+    sim->fan.sums = sim->setup.components + sim->setup.sampling.truth + sim->setup.has_mirrors;
     sim->fan.row = DEV_FAN_ROW(sim->setup.bins);
     return ASDIC_OK;
 }

@@ -355,9 +355,10 @@ static void gather_moments(const telling *to, double *moment) {
         (double)device->scale[DEV_DEPOSIT_BOTTOM] * device->truth_ratio[DEV_DEPOSIT_BOTTOM];
     const asdic_beam_fan *fan = &to->sim->fan;
     for (size_t b = 0; b < to->beams && fan->many; b++) {
-        weigh_floats(asdic_beam_fan_row(fan, to->shot->sums, to->beam + b, fan->sums - 1),
-                     to->shot->loss, to->source_lin / scale * to->axis_lin[b], to->wide,
-                     moment + b * to->wide);
+        weigh_floats(
+            asdic_beam_fan_row(fan, to->shot->sums, to->beam + b, to->sim->setup.components),
+            to->shot->loss, to->source_lin / scale * to->axis_lin[b], to->wide,
+            moment + b * to->wide);
     }
     gather(to, DEV_TRUTH_DEPRESSION, to->source_lin / scale, moment);
     for (size_t k = 0; k < t->point_count; k++) {
