@@ -321,6 +321,21 @@ WIDEST static void restate_single(const float *restrict largest, double unit,
     }
 }
 
+/* Once the vehicle has gone on, rays that the lesson did not foresee may all miss a bin between two louder ones. In ping
+ * 20 of data/scenes/mission_fan.yaml bins 2 to 4 dB below the less loud of both erred by 2.4 stated errors r.m.s., 8 to
+ * 12 dB below it by 5.0; in ping 60 by 1.2 and 2.5. What they state grows with the root of the ratio. */
+static void restate_dips(asdic_ping *out, size_t beam) {
+    const double *total = out->intensity_lin[ASDIC_TOTAL] + beam * out->bins;
+    float *stderr_db = out->stderr_db + beam * out->bins;
+    for (size_t n = 1; n + 1 < out->bins; n++) {
+        double beside = fmin(total[n - 1], total[n + 1]);
+        if (total[n] > 0.0 && beside > total[n]) {
+            stderr_db[n] =
+                (float)fmin((double)stderr_db[n] * sqrt(beside / total[n]), TO_DB * MOST_ERROR);
+        }
+    }
+}
+
 /* convert_beam of a fan. */
 static void convert_fan_beam(const conversion *k, unsigned worker, size_t beam) {
     const asdic_simulator *sim = k->sim;
@@ -366,6 +381,9 @@ static void convert_fan_beam(const conversion *k, unsigned worker, size_t beam) 
         end_block(echo, noise_lin, error, at, count, k->out);
     }
     if (!sim->setup.sampling.without_errors) {
+        if (k->drift.others.bins + k->drift.others.beams > 0) {
+            restate_dips(k->out, beam);
+        }
         restate_first_echoes(k, beam, NULL);
     }
 }
