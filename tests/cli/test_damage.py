@@ -272,7 +272,7 @@ def test_many_starts_one_run():
             tap.equal(0 in [code for _, code in ends], True, f"one is through ({ends})")
             for err, code in ends:
                 if code != 0:
-                    tap.equal(bool(re.search("another process is writing a run to|"
+                    tap.equal(bool(re.search("another process is writing to|"
                                              "holds a run already", err)), True, err)
             same(folder, "whole", "r")
         for command in (["render", folder / "r"], ["merge", folder / "whole", "-o", folder / "r",

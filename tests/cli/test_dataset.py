@@ -1,5 +1,6 @@
 """asdic dataset: labelled frames, whole, repeatable, resumed and shared out; masks against rays that this file
 casts itself; read back by numpy, PIL and json, and by the package that Roboflow imports annotations with."""
+import fcntl
 import json
 import os
 import re
@@ -109,6 +110,29 @@ def test_the_same_bytes_whole_resumed_and_in_parts():
         says(asdic("merge", folder / "p2", folder / "p1", "-o", folder / "m2"), 3, "frame 1 is in none of the parts")
         says(asdic("merge", folder / "p2", folder / "p1", "-o", folder / "merged", "--force"), 3, "frame 1 is in none")
         tap.equal(sorted(files(folder / "merged")), sorted(whole), "a joined set stays where parts lack a frame")
+
+
+def test_no_two_processes_make_one_set():
+    program.need_device()
+    with Folder() as folder:
+        make = ("dataset", scene(folder, rays=500), "-n", "2", "--radius", "32")
+        asdic(*make, "-o", folder / "d").check(code=0)
+        whole = files(folder / "d")
+        held = os.open(folder / "d", os.O_RDONLY)
+        fcntl.flock(held, fcntl.LOCK_EX)  # as a process that writes there has it
+        for command in ((*make, "-n", "3", "--resume"), (*make, "--seed", "2", "--force"),
+                        ("merge", folder / "d", "--force")):
+            into = folder / ("d" if command[0] == "dataset" else "m")
+            if command[0] == "merge":
+                os.mkdir(into)
+                os.close(held)
+                held = os.open(into, os.O_RDONLY)
+                fcntl.flock(held, fcntl.LOCK_EX)
+            says(asdic(*command, "-o", into), 1, f"another process is writing to '{into}' just now; wait for it, or")
+        os.close(held)
+        tap.equal((files(folder / "d") == whole, os.listdir(folder / "m")), (True, []), "nothing is changed")
+        asdic("merge", folder / "d", "--force", "-o", folder / "m").check(code=0)
+        tap.equal(files(folder / "m") == whole, True, "once it is free")
 
 
 def test_frames_of_no_set_are_made_again():

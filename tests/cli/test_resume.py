@@ -204,7 +204,7 @@ def test_killed_and_interrupted_runs_go_on():
         child.send_signal(signal.SIGSTOP)
         for option in ("--resume", "--force"):
             done = asdic("run", path, "-o", folder / "r", option).check(code=1)
-            tap.contains(done.err, "another process is writing a run to")
+            tap.contains(done.err, "another process is writing to")
         child.kill()
         child.communicate()
         tap.equal(facts(folder, "r")["state"], "running", "state")

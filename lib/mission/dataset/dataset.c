@@ -52,6 +52,7 @@ typedef struct dataset {
     const char *scene;
     asdic_device *device;
     asdic_dataset_options options;
+    DIR *folder; /* held while frames are made */
     built kept[KEPT];
     size_t clock;
     bool goes_on;   /* with the set in the folder, whose frames stay */
@@ -456,7 +457,7 @@ static asdic_status check_options(asdic_context *ctx, asdic_dataset_options *o) 
 static asdic_status make_set(dataset *d) {
     TRY(asdic_dataset_check(d->ctx, &d->options));
     TRY(look_at_first(d));
-    TRY(asdic_dataset_enter(d->ctx, &d->options));
+    TRY(asdic_dataset_enter(d->ctx, &d->options, &d->folder));
     d->goes_on = asdic_dataset_is_in(d->options.folder);
     char hex[65];
     TRY(asdic_scene_inputs_hash(d->ctx, d->scene, hex));
@@ -487,6 +488,9 @@ asdic_status asdic_dataset_make(asdic_context *ctx, const char *scene, asdic_dev
     pthread_cond_init(&d->changed, NULL);
     asdic_status status = check_options(ctx, &d->options);
     status = status ? status : make_set(d);
+    if (d->folder) {
+        closedir(d->folder);
+    }
     for (size_t i = 0; i < KEPT; i++) {
         forget(&d->kept[i]);
     }

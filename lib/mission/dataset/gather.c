@@ -101,10 +101,12 @@ asdic_status asdic_dataset_check(asdic_context *ctx, const asdic_dataset_options
     return ASDIC_OK;
 }
 
-asdic_status asdic_dataset_enter(asdic_context *ctx, const asdic_dataset_options *options) {
+asdic_status asdic_dataset_enter(asdic_context *ctx, const asdic_dataset_options *options,
+                                 DIR **lock) {
     const char *folder = options->folder;
     char path[4096];
-    TRY(make_folder(ctx, folder));
+    TRY(asdic_folder_hold(ctx, folder, lock));
+    TRY(asdic_dataset_check(ctx, options)); /* another process may have been quicker */
     if (asdic_dataset_is_in(folder) && options->force) {
         TRY(clear(ctx, folder));
     }
@@ -394,7 +396,7 @@ static asdic_status check_parts(asdic_context *ctx, const char *const *parts, si
 }
 
 static asdic_status merge(asdic_context *ctx, const char *const *parts, size_t count,
-                          asdic_dataset_options *o, const char *set) {
+                          asdic_dataset_options *o, const char *set, DIR **lock) {
     for (size_t p = 1; p < count; p++) {
         char path[4096], *other = NULL;
         size_t length = 0;
@@ -413,8 +415,7 @@ static asdic_status merge(asdic_context *ctx, const char *const *parts, size_t c
                           "'%s/dataset.json' does not say how many frames there are", parts[0]);
     }
     TRY(check_parts(ctx, parts, count, o->folder, o->frames));
-    TRY(asdic_dataset_check(ctx, o));
-    TRY(asdic_dataset_enter(ctx, o));
+    TRY(asdic_dataset_enter(ctx, o, lock));
     TRY(asdic_dataset_begin(ctx, o, set)); /* first: what a full disk leaves says what it is of */
     for (size_t k = 0; k < o->frames; k++) {
         const char *part = NULL;
@@ -436,7 +437,11 @@ asdic_status asdic_dataset_merge(asdic_context *ctx, const char *const *parts, s
     o.force = force;
     snprintf(path, sizeof path, "%s/dataset.json", parts[0]);
     TRY(asdic_file_read(ctx, path, MOST_BYTES, &set, &length));
-    asdic_status status = merge(ctx, parts, count, &o, set);
+    DIR *lock = NULL;
+    asdic_status status = merge(ctx, parts, count, &o, set, &lock);
+    if (lock) {
+        closedir(lock);
+    }
     free(set);
     return status;
 }

@@ -128,8 +128,8 @@ asdic_status asdic_folder_hold(asdic_context *ctx, const char *folder, DIR **out
         }
     }
     return is_busy ? asdic_fail(ctx, ASDIC_ERROR_EXISTS,
-                                "another process is writing a run to '%s' just now; wait for it, "
-                                "or choose another folder",
+                                "another process is writing to '%s' just now; wait for it, or "
+                                "choose another folder",
                                 folder)
                    : ASDIC_OK;
 }

@@ -13,8 +13,8 @@
 /* Whether FOLDER holds a run, finished or not. */
 bool asdic_folder_has_run(const char *folder);
 
-/* Creates FOLDER if need be (its parents must exist) and keeps other processes from writing runs to
- * it until *OUT is closed: ASDIC_ERROR_EXISTS when one does so just now. */
+/* Creates FOLDER if need be (its parents must exist) and keeps other processes from writing a run
+ * or data set to it until *OUT is closed: ASDIC_ERROR_EXISTS when one does so just now. */
 asdic_status asdic_folder_hold(asdic_context *ctx, const char *folder, DIR **out);
 
 /* A folder that holds a run is an error, which names --resume if that CAN_RESUME it, unless FORCE
