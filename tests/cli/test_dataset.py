@@ -135,6 +135,44 @@ def test_no_two_processes_make_one_set():
         tap.equal(files(folder / "m") == whole, True, "once it is free")
 
 
+def test_frames_that_are_not_whole_are_made_again():
+    """Each frame lacks another of its files, or has it shorter."""
+    program.need_device()
+    kinds = ["frames", "levels"] + [f"{form}/{kind}" for form in ("bearing", "polar")
+                                    for kind in ("images", "images16", "labels", "masks")]
+    with Folder() as folder:
+        make = ("dataset", scene(folder, rays=500), "-n", 3 * len(kinds), "--radius", "32", "-o", folder / "d")
+        asdic(*make).check(code=0)
+        whole = files(folder / "d")
+        for k, name in enumerate(3 * kinds):
+            path = next(folder / ("d/" + n) for n in whole if n.startswith(f"{name}/{k:06d}."))
+            size = (None, 1, 100)[k // len(kinds)]
+            if size is None:
+                os.remove(path)
+            else:
+                os.truncate(path, min(size, os.path.getsize(path) - 1))
+        says(asdic("merge", folder / "d", "-o", folder / "m"), 3, "frame 0 is in none of the parts")
+        asdic(*make, "--resume").check(code=0)
+        tap.equal(files(folder / "d") == whole, True, "the whole")
+        for damage, why in ((os.remove, "levels/000001.npy: cannot open"),
+                            (lambda path: os.truncate(path, 100), f"frame 1 in '{folder / 'd'}' is damaged: its files "
+                             "have not the sizes that its record says; --resume makes it again")):
+            damage(folder / "d/levels/000001.npy")
+            says(asdic("merge", folder / "d", "-o", folder / "m"), 3, why)
+            asdic(*make, "--resume").check(code=0)
+        # Records of older sets do not say how large the files are.
+        first, rest = whole["frames/000001.txt"].split(b"\n", 1)
+        tap.equal((first[:1], rest[:1]), (b"S", b"M"), "lines of a record")
+        folder.write("d/frames/000001.txt", rest.decode())
+        asdic("merge", folder / "d", "-o", folder / "m").check(code=0)
+        tap.equal(files(folder / "m") == {**whole, "frames/000001.txt": rest}, True, "an older part is joined")
+        asdic(*make, "--resume").check(code=0)
+        tap.equal(files(folder / "d") == files(folder / "m"), True, "an older set goes on")
+        os.remove(folder / "d/levels/000001.npy")
+        asdic(*make, "--resume").check(code=0)
+        tap.equal(files(folder / "d") == whole, True, "and has what it lacked")
+
+
 def test_frames_of_no_set_are_made_again():
     """What joining parts left on a full disk, and frames whose dataset.json is gone."""
     program.need_device()

@@ -19,7 +19,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 /* Scenes that are kept built: frames that differ in poses alone share one. */
 #define KEPT 8
@@ -328,11 +327,10 @@ static void hand_over(dataset *d, slot *s) {
     pthread_mutex_unlock(&d->lock);
 }
 
-/* Without dataset.json nothing says of which set a frame is. */
+/* Without dataset.json nothing says of which set a frame is. The writer's thread may have failed meanwhile, and what it
+ * said must stay: nothing is said here. */
 static bool is_there(const dataset *d, size_t index) {
-    char path[4096];
-    asdic_frame_path(path, d->options.folder, "frames", index, "txt");
-    return d->goes_on && access(path, F_OK) == 0;
+    return d->goes_on && asdic_frame_check(NULL, d->options.folder, index) == ASDIC_OK;
 }
 
 static asdic_status make_frames(dataset *d) {

@@ -15,19 +15,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#define MOST_BYTES ((size_t)1 << 28)
-
-/* The folders of a set, with what its frames have there. */
-static const struct {
-    const char *name, *extension; /* NULL: folders alone */
-} folders[] = {
-    {"frames", "txt"},           {"levels", "npy"},         {"polar", NULL},
-    {"polar/images", "png"},     {"polar/images16", "png"}, {"polar/masks", "png"},
-    {"polar/labels", "txt"},     {"bearing", NULL},         {"bearing/images", "png"},
-    {"bearing/images16", "png"}, {"bearing/masks", "png"},  {"bearing/labels", "txt"},
-};
-#define FOLDERS (sizeof folders / sizeof *folders)
-
 static const char *const summaries[] = {"dataset.json", "manifest.jsonl", "classes.txt",
                                         "polar/annotations.json", "bearing/annotations.json"};
 #define SUMMARIES (sizeof summaries / sizeof *summaries)
@@ -67,13 +54,14 @@ static asdic_status clear(asdic_context *ctx, const char *folder) {
     char path[4096], *text = NULL;
     size_t length = 0;
     snprintf(path, sizeof path, "%s/dataset.json", folder);
-    TRY(asdic_file_read(ctx, path, MOST_BYTES, &text, &length));
+    TRY(asdic_file_read(ctx, path, ASDIC_FRAME_MOST_BYTES, &text, &length));
     size_t frames = frames_of(text);
     free(text);
     for (size_t k = 0; k < frames; k++) {
-        for (size_t i = 0; i < FOLDERS; i++) {
-            if (folders[i].extension) {
-                asdic_frame_path(path, folder, folders[i].name, k, folders[i].extension);
+        for (size_t i = 0; i < ASDIC_FRAME_FOLDERS; i++) {
+            if (asdic_frame_folders[i].extension) {
+                asdic_frame_path(path, folder, asdic_frame_folders[i].name, k,
+                                 asdic_frame_folders[i].extension);
                 unlink(path);
             }
         }
@@ -110,8 +98,8 @@ asdic_status asdic_dataset_enter(asdic_context *ctx, const asdic_dataset_options
     if (asdic_dataset_is_in(folder) && options->force) {
         TRY(clear(ctx, folder));
     }
-    for (size_t i = 0; i < FOLDERS; i++) {
-        snprintf(path, sizeof path, "%s/%s", folder, folders[i].name);
+    for (size_t i = 0; i < ASDIC_FRAME_FOLDERS; i++) {
+        snprintf(path, sizeof path, "%s/%s", folder, asdic_frame_folders[i].name);
         TRY(make_folder(ctx, path));
     }
     return ASDIC_OK;
@@ -151,7 +139,7 @@ asdic_status asdic_dataset_begin(asdic_context *ctx, const asdic_dataset_options
     if (!asdic_dataset_is_in(options->folder)) {
         return asdic_file_write_all(ctx, path, text, strlen(text));
     }
-    TRY(asdic_file_read(ctx, path, MOST_BYTES, &there, &length));
+    TRY(asdic_file_read(ctx, path, ASDIC_FRAME_MOST_BYTES, &there, &length));
     size_t frames = frames_of(there);
     bool alike = strlen(there) == length && are_alike(there, text);
     free(there);
@@ -202,6 +190,9 @@ static asdic_status read_size(asdic_context *ctx, const char *path, unsigned siz
 
 static void take_line(gatherer *g, const char *line, size_t length) {
     int form = line[0] == 'P' ? ASDIC_FORM_POLAR : ASDIC_FORM_BEARING;
+    if (line[0] == 'S') { /* sizes */
+        return;
+    }
     if (line[0] == 'M') {
         asdic_text_add_bytes(&g->manifest, line + 1, length - 1);
         asdic_text_add(&g->manifest, "\n");
@@ -217,7 +208,7 @@ static asdic_status take_frame(gatherer *g, size_t index, bool is_first) {
     char path[4096], sub[32], *text = NULL;
     size_t length = 0;
     asdic_frame_path(path, g->options->folder, "frames", index, "txt");
-    TRY(asdic_file_read(g->ctx, path, MOST_BYTES, &text, &length));
+    TRY(asdic_file_read(g->ctx, path, ASDIC_FRAME_MOST_BYTES, &text, &length));
     for (char *line = text, *end; (end = strchr(line, '\n')) != NULL; line = end + 1) {
         take_line(g, line, (size_t)(end - line));
     }
@@ -314,7 +305,7 @@ asdic_status asdic_dataset_gather(asdic_context *ctx, const asdic_dataset_option
     char path[4096];
     size_t length = 0;
     snprintf(path, sizeof path, "%s/dataset.json", options->folder);
-    asdic_status status = asdic_file_read(ctx, path, MOST_BYTES, &g.set, &length);
+    asdic_status status = asdic_file_read(ctx, path, ASDIC_FRAME_MOST_BYTES, &g.set, &length);
     status = status ? status : gather(&g);
     asdic_text_finish(&g.manifest);
     for (int form = 0; form < ASDIC_FORM_COUNT; form++) {
@@ -330,7 +321,7 @@ asdic_status asdic_dataset_gather(asdic_context *ctx, const asdic_dataset_option
 static asdic_status copy(asdic_context *ctx, const char *from, const char *to) {
     char *bytes = NULL;
     size_t length = 0;
-    TRY(asdic_file_read(ctx, from, MOST_BYTES, &bytes, &length));
+    TRY(asdic_file_read(ctx, from, ASDIC_FRAME_MOST_BYTES, &bytes, &length));
     asdic_status status = asdic_file_write_soon(ctx, to, bytes, length);
     free(bytes);
     return status;
@@ -354,25 +345,13 @@ static asdic_status find_part(asdic_context *ctx, const char *const *parts, size
 static asdic_status copy_frame(asdic_context *ctx, const char *part, const char *out,
                                size_t index) {
     char from[4096], to[4096];
-    for (size_t i = FOLDERS; i-- > 0;) {
-        if (folders[i].extension) {
-            asdic_frame_path(from, part, folders[i].name, index, folders[i].extension);
-            asdic_frame_path(to, out, folders[i].name, index, folders[i].extension);
+    for (size_t i = ASDIC_FRAME_FOLDERS; i-- > 0;) {
+        if (asdic_frame_folders[i].extension) {
+            asdic_frame_path(from, part, asdic_frame_folders[i].name, index,
+                             asdic_frame_folders[i].extension);
+            asdic_frame_path(to, out, asdic_frame_folders[i].name, index,
+                             asdic_frame_folders[i].extension);
             TRY(copy(ctx, from, to));
-        }
-    }
-    return ASDIC_OK;
-}
-
-static asdic_status check_frame(asdic_context *ctx, const char *part, size_t index) {
-    char path[4096];
-    for (size_t i = 0; i < FOLDERS; i++) {
-        if (folders[i].extension) {
-            asdic_frame_path(path, part, folders[i].name, index, folders[i].extension);
-            if (access(path, R_OK) != 0) {
-                return asdic_fail(ctx, ASDIC_ERROR_INPUT, "%s: cannot open: %s", path,
-                                  strerror(errno));
-            }
         }
     }
     return ASDIC_OK;
@@ -390,7 +369,7 @@ static asdic_status check_parts(asdic_context *ctx, const char *const *parts, si
     for (size_t k = 0; k < frames; k++) {
         const char *found = NULL;
         TRY(find_part(ctx, parts, count, k, &found));
-        TRY(check_frame(ctx, found, k));
+        TRY(asdic_frame_check(ctx, found, k));
     }
     return ASDIC_OK;
 }
@@ -401,7 +380,7 @@ static asdic_status merge(asdic_context *ctx, const char *const *parts, size_t c
         char path[4096], *other = NULL;
         size_t length = 0;
         snprintf(path, sizeof path, "%s/dataset.json", parts[p]);
-        TRY(asdic_file_read(ctx, path, MOST_BYTES, &other, &length));
+        TRY(asdic_file_read(ctx, path, ASDIC_FRAME_MOST_BYTES, &other, &length));
         bool same = strcmp(other, set) == 0;
         free(other);
         if (!same) {
@@ -436,7 +415,7 @@ asdic_status asdic_dataset_merge(asdic_context *ctx, const char *const *parts, s
     o.folder = out_folder;
     o.force = force;
     snprintf(path, sizeof path, "%s/dataset.json", parts[0]);
-    TRY(asdic_file_read(ctx, path, MOST_BYTES, &set, &length));
+    TRY(asdic_file_read(ctx, path, ASDIC_FRAME_MOST_BYTES, &set, &length));
     DIR *lock = NULL;
     asdic_status status = merge(ctx, parts, count, &o, set, &lock);
     if (lock) {

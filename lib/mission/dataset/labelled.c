@@ -2,6 +2,7 @@
 
 #include "base/context.h"
 #include "base/decibel.h"
+#include "base/file_read.h"
 #include "base/try.h"
 #include "outline.h"
 #include "out/file.h"
@@ -9,12 +10,22 @@
 #include "out/npy.h"
 #include "out/raster.h"
 
+#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 const char *const asdic_form_names[ASDIC_FORM_COUNT] = {"polar", "bearing"};
+
+const asdic_frame_folder asdic_frame_folders[ASDIC_FRAME_FOLDERS] = {
+    {"frames", "txt"},           {"levels", "npy"},         {"polar", NULL},
+    {"polar/images", "png"},     {"polar/images16", "png"}, {"polar/masks", "png"},
+    {"polar/labels", "txt"},     {"bearing", NULL},         {"bearing/images", "png"},
+    {"bearing/images16", "png"}, {"bearing/masks", "png"},  {"bearing/labels", "txt"},
+};
 
 void asdic_frame_path(char path[4096], const char *folder, const char *sub, size_t index,
                       const char *extension) {
@@ -208,11 +219,62 @@ static asdic_status write_form(asdic_context *ctx, const asdic_labelled *f, asdi
     return write_labels(ctx, f, form, &mask, s->seen, record);
 }
 
-static asdic_status write_record(asdic_context *ctx, const asdic_labelled *f, asdic_text *record) {
+/* A record's first line: the bytes of the frame's files, then of what follows in the record. The disk is not waited
+ * for: after a power cut a record may be there, and what was written before it not. */
+static asdic_status add_sizes(asdic_context *ctx, const char *folder, size_t index, size_t rest,
+                              asdic_text *record) {
     char path[4096];
+    struct stat st;
+    asdic_text_add(record, "S");
+    for (size_t i = 1; i < ASDIC_FRAME_FOLDERS; i++) {
+        const asdic_frame_folder *sub = &asdic_frame_folders[i];
+        if (sub->extension) {
+            asdic_frame_path(path, folder, sub->name, index, sub->extension);
+            if (access(path, R_OK) != 0 || stat(path, &st) != 0) {
+                return asdic_fail(ctx, ASDIC_ERROR_INPUT, "%s: cannot open: %s", path,
+                                  strerror(errno));
+            }
+            asdic_text_format(record, "%lld ", (long long)st.st_size);
+        }
+    }
+    asdic_text_format(record, "%zu\n", rest);
+    return record->failed ? asdic_fail_memory(ctx, "a frame's record") : ASDIC_OK;
+}
+
+static asdic_status write_record(asdic_context *ctx, const asdic_labelled *f,
+                                 const asdic_text *facts) {
+    char path[4096];
+    asdic_text record = {.failed = facts->failed};
+    asdic_status status = add_sizes(ctx, f->folder, f->index, facts->length, &record);
+    asdic_text_add_bytes(&record, facts->data, facts->length);
     asdic_frame_path(path, f->folder, "frames", f->index, "txt");
-    return record->failed ? asdic_fail_memory(ctx, "a frame's record")
-                          : asdic_file_write_soon(ctx, path, record->data, record->length);
+    status = status          ? status
+             : record.failed ? asdic_fail_memory(ctx, "a frame's record")
+                             : asdic_file_write_soon(ctx, path, record.data, record.length);
+    asdic_text_finish(&record);
+    return status;
+}
+
+/* Records of older sets have no line of sizes. */
+asdic_status asdic_frame_check(asdic_context *ctx, const char *folder, size_t index) {
+    char path[4096], *text = NULL;
+    size_t length = 0;
+    asdic_text sizes = {0};
+    asdic_frame_path(path, folder, "frames", index, "txt");
+    TRY(asdic_file_read(ctx, path, ASDIC_FRAME_MOST_BYTES, &text, &length));
+    const char *end = strchr(text, '\n');
+    size_t first = end ? (size_t)(end - text) + 1 : 0;
+    asdic_status status = add_sizes(ctx, folder, index, length - first, &sizes);
+    bool is_whole = !status && (text[0] == 'M' ||
+                                (first == sizes.length && memcmp(text, sizes.data, first) == 0));
+    asdic_text_finish(&sizes);
+    free(text);
+    return status || is_whole
+               ? status
+               : asdic_fail(ctx, ASDIC_ERROR_INPUT,
+                            "frame %zu in '%s' is damaged: its files have not the sizes that its "
+                            "record says; --resume makes it again",
+                            index, folder);
 }
 
 static asdic_status write_all(asdic_context *ctx, const asdic_labelled *f, float *levels_db,

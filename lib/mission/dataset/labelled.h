@@ -39,8 +39,19 @@ asdic_status asdic_frame_maps_init(asdic_context *ctx, const asdic_sonar *sonar,
                                    double radius_px, asdic_frame_map maps[ASDIC_FORM_COUNT]);
 void asdic_frame_maps_finish(asdic_frame_map maps[ASDIC_FORM_COUNT]);
 
+/* The folders of a set, with what its frames have there; the frames' records come first. */
+typedef struct asdic_frame_folder {
+    const char *name, *extension; /* NULL: folders alone */
+} asdic_frame_folder;
+#define ASDIC_FRAME_FOLDERS 12
+#define ASDIC_FRAME_MOST_BYTES ((size_t)1 << 28) /* of a file */
+extern const asdic_frame_folder asdic_frame_folders[ASDIC_FRAME_FOLDERS];
+
 /* Writes all files of a frame; frames/NUMBER.txt comes last and says that the frame is whole. */
 asdic_status asdic_frame_write(asdic_context *ctx, const asdic_labelled *frame);
+
+/* ASDIC_ERROR_INPUT unless FOLDER has all files of frame INDEX, as large as its record says. */
+asdic_status asdic_frame_check(asdic_context *ctx, const char *folder, size_t index);
 
 /* "FOLDER/SUB/NUMBER.EXTENSION" */
 void asdic_frame_path(char path[4096], const char *folder, const char *sub, size_t index,
