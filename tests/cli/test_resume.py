@@ -153,6 +153,33 @@ def test_multipath_between_boundaries_goes_on():
             same(folder, "whole", "r")
 
 
+def test_what_was_found_in_a_part_goes_with_it():
+    program.need_device()
+    found = ["detections.csv", "detections.mcap", "occupancy.png", "tracks.csv"]
+    with Folder() as folder:
+        path = scene(folder, pings=3, rays=500)
+        asdic("run", path, "-o", folder / "whole").check(code=0)
+        for state, stays in (("running", False), ("complete", True)):  # made again as they were: damaged pings
+            shutil.copytree(folder / "whole", folder / "r")
+            for name in [*found, "background.npy"]:
+                folder.write("r/" + name, "of fewer pings")
+            records = data(folder, "r", "pings.npy")
+            head = 10 + int.from_bytes(records[8:10], "little")
+            with open(folder / "r/pings.npy", "wb") as part:
+                part.write(records[:head + (len(records) - head) * 2 // 3])
+            edit_facts(folder, "r", '"complete"', f'"{state}"')
+            said = asdic("run", path, "-o", folder / "r", "--resume").check(code=0).err
+            left = [name for name in found if os.path.exists(folder / ("r/" + name))]
+            tap.equal(left, found if stays else [], f"what was found in a run that was {state}")
+            warning = f"'{folder / 'r'}' gets more pings: what 'asdic detect' found in those before is removed; run it again"
+            tap.equal(warning in said, not stays, said)
+            tap.equal(folder.read("r/background.npy"), "of fewer pings", "it says itself of which pings it is")
+            for name in [*left, "background.npy"]:
+                os.remove(folder / ("r/" + name))
+            same(folder, "whole", "r")
+            shutil.rmtree(folder / "r")
+
+
 def test_recipes_of_the_page_on_many_machines():
     """The commands for xargs and GNU parallel, as printed, give the bytes of one run."""
     program.need_device()

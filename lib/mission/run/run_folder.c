@@ -19,11 +19,13 @@
 /* What makes a folder a run folder. */
 static const char *const marks[] = {"run.json", "pings.npy", "pings.npy.part", "bins.csv"};
 
-/* Everything a run, detect or render may have written there, beside the formats' files. */
+/* Everything a run, detect or render may have written there, beside the formats' files. The first are what detect found
+ * in the run's pings. */
+#define FOUND_COUNT 4
 static const char *const names[] = {
-    "run.json",       "pings.npy",       "bins.csv",      "terrain.asc", "track.csv",
-    "objects.csv",    "detections.csv",  "occupancy.png", "tracks.csv",  "routes.csv",
-    "background.npy", "detections.mcap", "elements.npy",  "parts.npy",   "truth.npy"};
+    "detections.csv", "detections.mcap", "tracks.csv",   "occupancy.png", "run.json",
+    "pings.npy",      "bins.csv",        "terrain.asc",  "track.csv",     "objects.csv",
+    "routes.csv",     "background.npy",  "elements.npy", "parts.npy",     "truth.npy"};
 static const char *const stems[] = {"waterfall_", "ascope_", "fan_", "raw_", "overview.", "plan."};
 #define MOST_PICTURES 256 /* that run.json lists */
 static const char *const picture_ends[] = {".png", ".pdf", ".svg"};
@@ -179,6 +181,25 @@ static asdic_status clear(asdic_context *ctx, const char *folder) {
     }
     closedir(dir);
     return status;
+}
+
+asdic_status asdic_folder_drop_found(asdic_context *ctx, const char *folder, DIR *dir) {
+    size_t count = 0;
+    for (size_t i = 0; i < FOUND_COUNT; i++) {
+        if (unlinkat(dirfd(dir), names[i], 0) == 0) {
+            count++;
+        } else if (errno != ENOENT) {
+            return asdic_fail(ctx, ASDIC_ERROR_IO, "cannot remove '%s/%s': %s", folder, names[i],
+                              strerror(errno));
+        }
+    }
+    if (count > 0) {
+        asdic_log(ctx, ASDIC_LOG_WARNING,
+                  "'%s' gets more pings: what 'asdic detect' found in those before is removed; run "
+                  "it again",
+                  folder);
+    }
+    return ASDIC_OK;
 }
 
 /* Where there is no run, a file of a name that runs write is somebody's own, a scene's track perhaps. */

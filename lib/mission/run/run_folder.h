@@ -23,6 +23,10 @@ asdic_status asdic_folder_hold(asdic_context *ctx, const char *folder, DIR **out
 asdic_status asdic_folder_prepare(asdic_context *ctx, const char *folder, bool force,
                                   bool can_resume);
 
+/* Removes what was detected in FOLDER, open as DIR, before the run gets more pings; a warning says
+ * so. */
+asdic_status asdic_folder_drop_found(asdic_context *ctx, const char *folder, DIR *dir);
+
 /* No force is meant for the scene's own grid or track: ASDIC_ERROR_EXISTS where a file that TEXT, of the file
  * SCENE, names lies in FOLDER, is not called OWN, and would be replaced by a run there. */
 asdic_status asdic_folder_spare(asdic_context *ctx, const char *folder, const char *scene,

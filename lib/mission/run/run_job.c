@@ -287,12 +287,16 @@ static asdic_status check_complete(asdic_run_job *job, const asdic_run_facts *ea
     return ASDIC_OK;
 }
 
+/* Damaged pings of such a run are made again as they were. */
+static bool was_complete(const asdic_run_facts *earlier) {
+    return strcmp(earlier->state, ASDIC_RUN_COMPLETE) == 0;
+}
+
 /* Reads what an earlier call left in the folder, which must be of the same run. */
 static asdic_status read_earlier(asdic_run_job *job, asdic_run_facts *earlier) {
     TRY(asdic_run_facts_read(job->ctx, job->options->folder, &job->arena, earlier));
     TRY(compare(job, earlier));
-    return strcmp(earlier->state, ASDIC_RUN_COMPLETE) == 0 ? check_complete(job, earlier)
-                                                           : ASDIC_OK;
+    return was_complete(earlier) ? check_complete(job, earlier) : ASDIC_OK;
 }
 
 /* What would fail only once the folder is changed. */
@@ -330,7 +334,8 @@ static asdic_status open_run(asdic_run_job *job) {
     TRY(asdic_store_cut(job->store, job->facts.pings_planned));
     TRY(open_elements(job, goes_on));
     find_whole(job, &bad);
-    return ASDIC_OK;
+    bool grows = goes_on && job->to_make > 0 && !was_complete(&earlier);
+    return grows ? asdic_folder_drop_found(job->ctx, folder, job->lock) : ASDIC_OK;
 }
 
 /* Writes the poses of the vehicle at the run's pings. */
