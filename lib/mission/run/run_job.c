@@ -206,6 +206,15 @@ static asdic_status open_elements(asdic_run_job *job, bool goes_on) {
     return asdic_elements_open(job->ctx, job->options->folder, mode, &shape, &job->elements);
 }
 
+/* The last error, without its advice to do what is being done. */
+static void warn_of_damage(asdic_context *ctx) {
+    const char *text = asdic_context_error(ctx);
+    const char *advice = strstr(text, "; 'asdic run' with --resume");
+    asdic_log(ctx, ASDIC_LOG_WARNING, "%.*s%s",
+              (int)(advice ? (size_t)(advice - text) : strlen(text)), text,
+              advice ? "; made again" : "");
+}
+
 /* Finds the pings whose records are whole; every other is to be made. After an interruption the rest
  * is taken to be whole, unread: the run ends before it uses them. */
 static void find_whole(asdic_run_job *job, asdic_status *first_failure) {
@@ -220,7 +229,7 @@ static void find_whole(asdic_run_job *job, asdic_status *first_failure) {
         failed += status != ASDIC_OK;
         if (status != ASDIC_OK && *first_failure == ASDIC_OK) {
             *first_failure = status;
-            asdic_log(job->ctx, ASDIC_LOG_WARNING, "%s", asdic_context_error(job->ctx));
+            warn_of_damage(job->ctx);
         }
     }
     if (failed > 1) {
@@ -281,7 +290,7 @@ static asdic_status check_complete(asdic_run_job *job, const asdic_run_facts *ea
         return status;
     }
     if (status != ASDIC_OK) {
-        asdic_log(job->ctx, ASDIC_LOG_WARNING, "%s", asdic_context_error(job->ctx));
+        warn_of_damage(job->ctx);
     }
     job->is_complete = status == ASDIC_OK && bad == ASDIC_OK;
     return ASDIC_OK;
