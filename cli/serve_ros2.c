@@ -91,8 +91,10 @@ static asdic_status send(ros2_server *s, const serve_answer *answer, int64_t tim
         size_t size;
         bool is_sent = asdic_ros_has(s->ros, order[i]) && ros2_node_is_heard(s->node, order[i]) &&
                        (order[i] != ASDIC_ROS_DETECTIONS || answer->detection);
+        /* A scan's picture wants every ping, heard or not; its head costs nothing. */
+        bool is_made = is_sent || (order[i] == ASDIC_ROS_HEAD && asdic_ros_has(s->ros, order[i]));
         asdic_status status =
-            is_sent ? asdic_ros_encode(s->ros, order[i], &ping, &bytes, &size) : ASDIC_OK;
+            is_made ? asdic_ros_encode(s->ros, order[i], &ping, &bytes, &size) : ASDIC_OK;
         if (status) {
             return status;
         }

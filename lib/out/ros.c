@@ -265,7 +265,6 @@ static asdic_status paint(asdic_ros *ros, const asdic_ros_ping *ping) {
         ros->has_window = true;
     }
     if (ros->about.sweep.directions) {
-        asdic_polar_add(&ros->polar, ping->ping, ping->level_db);
         fan = asdic_polar_fan(&ros->polar, fan.bin_length_m);
     }
     asdic_raster_finish(&ros->raster);
@@ -379,6 +378,9 @@ asdic_status asdic_ros_encode(asdic_ros *ros, asdic_ros_output output, const asd
                           "no output %d of this sonar; a picture needs three beams or more in the "
                           "order of their bearings, or a scan, and a head a scan",
                           (int)output);
+    }
+    if (ros->about.sweep.directions) { /* whatever is asked for: the picture is of all pings */
+        asdic_polar_add(&ros->polar, ping->ping, ping->level_db);
     }
     TRY(outputs[output].put(ros, ping));
     if (ros->bytes.failed) {

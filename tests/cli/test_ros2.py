@@ -158,6 +158,23 @@ def test_a_message_is_made_for_who_subscribes_alone():
         tap.equal(own > others + 100, True, "the window is of the first picture that somebody has")
 
 
+def test_a_scans_picture_has_what_nobody_heard():
+    """Of every direction, also for who listens from the sixth ping on."""
+    need()
+    with Folder() as folder:
+        with Server(folder, SCAN) as server:
+            peer(server, folder, [POSES[0][0]] * 5, topics="sonar", stamp=START)
+            image = [m for m in peer(server, folder, POSES[0][:1], topics="image", stamp=START + 10**9)
+                     if m.get("topic") == "image"][-1]
+            with open(folder / "image_0", "rb") as file:
+                data = file.read()
+        apex = math.ceil(400 * math.sin(math.radians(50)))  # half a step outside the first direction
+        seen = [any(any(data[3 * (y * image["width"] + x):][:3]) for y, x in (
+            (int(400 - r * math.cos(at)), int(apex + r * math.sin(at))) for r in range(40, 390)))
+            for at in map(math.radians, (-35, -5, 25, 55))]
+        tap.equal(seen, [True] * 4, "directions")
+
+
 def test_poses_of_another_frame_are_told_once():
     need()
     with Folder() as folder:

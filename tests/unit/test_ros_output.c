@@ -429,6 +429,30 @@ static void a_scan_grows(void **state) {
     asdic_ros_destroy(&scan);
 }
 
+/* Who listens late sees where the head looked before. */
+static void a_scan_has_pings_that_nobody_saw(void **state) {
+    (void)state;
+    asdic_sonar sonar = sonar_of(1);
+    asdic_ros *scan = ros_of(&sonar, &sweep);
+    const double apex_x = ceil(400.0 * sin(0.7));
+    const size_t width = (size_t)(apex_x + ceil(400.0 * sin(0.1)));
+    for (ping.ping = 0; ping.ping < 5; ping.ping++) { /* there, and back to 2 */
+        for (size_t i = 0; i < BINS; i++) {
+            levels_db[i] = 61.0f + 8.0f * (float)i + (float)ping.ping;
+        }
+        encode(scan, ASDIC_ROS_HEAD);
+    }
+    ping.ping--;
+    const uint8_t *pixels = check_image(scan, width, 400);
+    for (size_t direction = 0; direction < 4; direction++) {
+        double level_db = 61.0 + (direction == 2 ? 4.0 : (double)direction);
+        assert_int_equal(pixel(pixels, width, apex_x, 0.5 / BINS, -0.6 + 0.2 * (double)direction),
+                         color(60.0, 90.0, level_db));
+    }
+    ping.ping = 0;
+    asdic_ros_destroy(&scan);
+}
+
 /* Three beams or more in the order of their bearings, or a scan of as many directions. */
 static void not_all_sonars_have_a_picture(void **state) {
     (void)state;
@@ -549,6 +573,7 @@ int main(void) {
         cmocka_unit_test(detections_say_when_and_where),
         cmocka_unit_test(a_fan_has_the_window_of_its_first_ping),
         cmocka_unit_test(a_scan_grows),
+        cmocka_unit_test(a_scan_has_pings_that_nobody_saw),
         cmocka_unit_test(not_all_sonars_have_a_picture),
         cmocka_unit_test(a_pings_bytes_are_known_before),
         cmocka_unit_test(what_is_missing_is_refused),

@@ -61,7 +61,7 @@ ASDIC_API bool asdic_ros_has(const asdic_ros *ros, asdic_ros_output output);
 
 /* PING as OUTPUT. The bytes belong to ROS until the next call. Pings are given in their order: the
  * picture's window of levels is that of the first, from the 5th to the 99.5th percentile rounded
- * outwards to 10 dB, and a scan's picture grows with them. */
+ * outwards to 10 dB, and a scan's picture grows with every one, whatever its output. */
 ASDIC_API asdic_status asdic_ros_encode(asdic_ros *ros, asdic_ros_output output,
                                         const asdic_ros_ping *ping, const void **bytes,
                                         size_t *size);
