@@ -110,8 +110,7 @@ static int wind_up(view_job *job, int code) {
 static int view_mission(cli *c, const request *r, asdic_mission *mission, asdic_device *device) {
     view_job job = {.c = c,
                     .rate_hz = asdic_mission_sonar(mission)->ping_rate_hz,
-                    .is_offline = r->y4m || r->snapshots,
-                    .mission_pings = asdic_mission_ping_count(mission)};
+                    .is_offline = r->y4m || r->snapshots};
     asdic_view_options o = r->options;
     char *folder = r->folder ? strdup(r->folder) : default_folder(cli_operand(c, 0));
     int code = CLI_FAILED;

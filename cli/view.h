@@ -18,7 +18,6 @@ typedef struct view_job {
     double rate_hz;
     bool is_offline; /* without a display, and so without a user */
     size_t pings;    /* SIZE_MAX: until it is over */
-    size_t mission_pings;
     view_key *keys;
     size_t key_count, next_key;
     char *key_text;

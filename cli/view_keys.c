@@ -66,10 +66,6 @@ bool view_read_keys(view_job *job, const char *text) {
 bool view_next(view_job *job, asdic_status *status) {
     asdic_view_clock clock = asdic_view_get_clock(job->view);
     double next_s = (double)clock.pings / job->rate_hz; /* after the first, whenever that was */
-    if (asdic_context_interrupted(cli_context(job->c))) {
-        *status = ASDIC_ERROR_INTERRUPTED;
-        return false;
-    }
     while (job->next_key < job->key_count && job->keys[job->next_key].time_s <= next_s + 1e-9) {
         asdic_view_press(job->view, job->keys[job->next_key++].name);
     }

@@ -141,9 +141,9 @@ static asdic_status show(window *w) {
 /* A window that closes by itself says why. */
 static void tell_end(const view_job *job) {
     asdic_view_clock clock = asdic_view_get_clock(job->view);
-    bool is_flown = clock.pings >= job->mission_pings;
-    cli_note(job->c, "%s after %zu ping%s, at %.4g s", is_flown ? "the mission is flown" : "closed",
-             clock.pings, clock.pings == 1 ? "" : "s", clock.time_s);
+    cli_note(job->c, "%s after %zu ping%s, at %.4g s",
+             clock.is_flown ? "the mission is flown" : "closed", clock.pings,
+             clock.pings == 1 ? "" : "s", clock.time_s);
 }
 
 int view_window(view_job *job) {

@@ -279,10 +279,7 @@ static asdic_status ping(asdic_view *view) {
     return remember(view);
 }
 
-asdic_status asdic_view_step(asdic_view *view) {
-    if (!view) {
-        return asdic_fail(NULL, ASDIC_ERROR_ARGUMENT, "asdic_view_step: no view");
-    }
+static asdic_status step(asdic_view *view) {
     double begin_s = asdic_clock_s();
     double wall_s = view->begun_s > 0.0 ? begin_s - view->begun_s : 0.0;
     bool pings = !view->is_paused || view->steps_allowed > 0 || view->steps == 0;
@@ -306,6 +303,19 @@ asdic_status asdic_view_step(asdic_view *view) {
     }
     view->begun_s = counts && !view->is_paused ? begin_s : 0.0;
     return status;
+}
+
+asdic_status asdic_view_step(asdic_view *view) {
+    if (!view) {
+        return asdic_fail(NULL, ASDIC_ERROR_ARGUMENT, "asdic_view_step: no view");
+    }
+    asdic_status status =
+        asdic_context_interrupted(view->ctx) ? ASDIC_ERROR_INTERRUPTED : step(view);
+    /* Whatever was broken off, an expected curve perhaps: it is the view that ends. */
+    return status == ASDIC_ERROR_INTERRUPTED
+               ? asdic_fail(view->ctx, status, "interrupted after %zu ping%s", view->steps,
+                            view->steps == 1 ? "" : "s")
+               : status;
 }
 
 static asdic_status check_options(asdic_context *ctx, const asdic_view_options *o) {
@@ -428,5 +438,6 @@ asdic_view_clock asdic_view_get_clock(const asdic_view *view) {
     return (asdic_view_clock){.pings = view->steps,
                               .rays = asdic_governor_rays(&view->governor),
                               .time_s = view->time_s,
-                              .stretch = asdic_governor_stretch(&view->governor)};
+                              .stretch = asdic_governor_stretch(&view->governor),
+                              .is_flown = view->is_flown && !view->is_manual};
 }

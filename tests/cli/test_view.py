@@ -440,6 +440,9 @@ def test_a_window_says_why_it_closes():
             raise tap.Skip("built without SDL2")
         done.check(code=0)
         tap.contains(done.err, "the mission is flown after ")
+        done = asdic("view", scene, "--size", "960x540", "--keys", "0.2:up", "--pings", "100", SDL_VIDEODRIVER="dummy",
+                     ASAN_OPTIONS="detect_leaks=0").check(code=0)
+        tap.contains(done.err, "closed after 100 pings")  # steered, and longer than the mission is
 
 
 def test_the_window_is_driven_by_keys():

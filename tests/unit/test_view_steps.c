@@ -1,6 +1,7 @@
 /* Steps of a view: which pings it makes, and what it keeps of them. */
 #include "view_rig.h"
 
+#include "base/context.h"
 #include "kernels/beam.h"
 #include "live/recording.h"
 #include "mission/mission.h"
@@ -31,6 +32,7 @@ static void the_mission_is_flown_to_its_end(void **state) {
         asdic_view_clock clock = asdic_view_get_clock(v);
         assert_int_equal(clock.pings, k + 1);
         assert_close(clock.time_s, 0.25 * (double)k, 1e-9);
+        assert_int_equal(clock.is_flown, k + 1 == count);
         assert_close(time_s, clock.time_s, 1e-9);
         assert_memory_equal(&v->ping.pose.position_m, &pose.position_m, sizeof pose.position_m);
         assert_close(asdic_view_mission_speed_mps(v), 2.0, 0.05); /* to the last one, too */
@@ -43,7 +45,7 @@ static void the_mission_is_flown_to_its_end(void **state) {
     }
     asdic_vec3 last = v->ping.pose.position_m;
     assert_true(asdic_view_press(v, "x"));
-    assert_false(asdic_view_is_over(v)); /* somebody steers */
+    assert_false(asdic_view_is_over(v) || asdic_view_get_clock(v).is_flown); /* somebody steers */
     step(v, 1);
     assert_close(v->time_s, 0.25 * (double)count, 1e-9);
     assert_close(v->ping.pose.position_m.y - last.y, 0.5, 0.02); /* 2 m/s for 0.25 s */
@@ -241,6 +243,24 @@ static void recordings_are_written_whole_when_interrupted(void **state) {
     asdic_run_close(&opened);
     asdic_context_destroy(&own);
     assert_int_equal(system(command), 0);
+}
+
+/* Whatever sentence was left before. */
+static void an_interrupted_view_says_after_how_many_pings(void **state) {
+    (void)state;
+    asdic_view_options o = small();
+    asdic_context *others = t.ctx, *own = NULL; /* that stays interrupted */
+    assert_int_equal(asdic_context_create(&own), ASDIC_OK);
+    t.ctx = own;
+    asdic_view *v = try_view("[{name: a}]", "sampling: {rays: 256}", &o, ASDIC_OK);
+    t.ctx = others;
+    step(v, 2);
+    asdic_context_interrupt(own);
+    asdic_fail(own, ASDIC_ERROR_INTERRUPTED, "interrupted after 0 of 1 beams");
+    assert_int_equal(asdic_view_step(v), ASDIC_ERROR_INTERRUPTED);
+    assert_string_equal(asdic_context_error(own), "interrupted after 2 pings");
+    close_view(v);
+    asdic_context_destroy(&own);
 }
 
 /* The first number that is free, three digits; a recording of no pings leaves nothing. */
@@ -568,6 +588,7 @@ int main(void) {
         cmocka_unit_test(bins_of_few_rays_are_joined),
         cmocka_unit_test(recordings_are_written_at_the_end),
         cmocka_unit_test(recordings_are_written_whole_when_interrupted),
+        cmocka_unit_test(an_interrupted_view_says_after_how_many_pings),
         cmocka_unit_test(recordings_have_numbers),
         cmocka_unit_test(slow_machines_get_fewer_rays),
         cmocka_unit_test(rays_are_enough_for_every_bin),

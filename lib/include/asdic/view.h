@@ -78,12 +78,14 @@ ASDIC_API const char *asdic_view_title(const asdic_view *view);
 /* The last frame as PNG. */
 ASDIC_API asdic_status asdic_view_save(const asdic_view *view, const char *path);
 
-/* Pings so far, rays of the last, and seconds of the clock on the wall per second simulated. */
+/* Pings so far, rays of the last, seconds of the clock on the wall per second simulated, and
+ * whether the mission is at its end, which it is not while somebody steers. */
 typedef struct asdic_view_clock {
     size_t pings;
     uint32_t rays;
     double time_s;  /* simulated, of the last ping */
     double stretch; /* 1: real time */
+    bool is_flown;
 } asdic_view_clock;
 
 ASDIC_API asdic_view_clock asdic_view_get_clock(const asdic_view *view);
