@@ -6,7 +6,9 @@ static const cli_option options[] = {
     {"picture", 0, "FILE", "error, pings: draw the curves too: .png, .pdf or .svg"},
     {"quick", 0, NULL, "a rougher answer in a fraction of the time"},
     {"threads", 0, "N", "threads of a processor as device; of rays 1 unless given"},
-    {"kernel", 0, "NAME", "rays: a form of the ray kernel instead of the fastest"},
+    {"kernel", 0, "NAME",
+     "auto, wide8, pkt16, frustum64 or scalar: the ray kernel that 'rays' times; auto: the "
+     "fastest"},
     {"force", 'f', NULL, "overwrite what exists"},
     {NULL, 0, NULL, NULL},
 };

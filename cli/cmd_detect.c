@@ -373,9 +373,9 @@ static const cli_option options[] = {
     {"cfar", 0, "KIND",
      "ca or os: background from neighbouring bins, their mean or their third quartile"},
     {"background", 0, "KIND",
-     "flat (a plane below the vehicle), simulated (the scene without its objects; background.npy "
-     "keeps it), cfar; else auto: flat, simulated over a bottom from a mesh or grid, with "
-     "multipath over boundaries, and of many beams in many attitudes"},
+     "auto, flat (a plane below the vehicle), simulated (the scene without its objects; "
+     "background.npy keeps it) or cfar; auto: flat, simulated over a bottom from a mesh or grid, "
+     "with multipath over boundaries, and of many beams in many attitudes"},
     {"cfar-cells", 0, "N",
      "bins on either side, else 8; of bins shorter than a pulse those a pulse apart"},
     {"cfar-guard", 0, "N", "such bins left out next to the bin, else 2"},

@@ -300,7 +300,7 @@ static const cli_option options[] = {
      "auto, wide8, pkt16, frustum64 or scalar: how rays are cast; auto takes the fastest; same "
      "bytes"},
     {"refraction", 0, "WORD",
-     "how much of a sound-speed profile rays follow: full, layer (one, fitted) or off; default: as "
+     "full, layer (one, fitted) or off: how much of a sound-speed profile rays follow; default: as "
      "the scene says"},
     {"seed", 0, "N", "seed of the random directions, instead of the scene's"},
     {"pings", 0, "A:B", "pings A to B-1 only, counted from 0"},

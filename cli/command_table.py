@@ -35,9 +35,10 @@ def takes_file(option):
 
 
 def option_words(option):
-    """The words an option takes where its help begins with them: 'auto, all, cpu ...', 'ca or os'."""
+    """The words an option takes where its help begins with them: 'auto, all, cpu ...', 'ca or os'. Parentheses do not count."""
     if option["arg"] in (None, "N") or takes_file(option):
         return []
     word = r"[a-z][a-z0-9-]+"
-    found = re.match(rf"(?:of )?((?:{word}, )+{word}(?: or {word})?|{word} or {word})", option["help"])
+    text = re.sub(r" \([^)]*\)", "", option["help"])
+    found = re.match(rf"(?:of )?((?:{word}, )+{word}(?: or {word})?|{word} or {word})", text)
     return re.split(", | or ", found.group(1)) if found else []

@@ -112,6 +112,10 @@ def test_bash_completes_commands_options_and_values():
     tap.equal(complete("asdic", "run", "--sampler", ""), ["adaptive", "beam", "uniform-sphere"])
     tap.equal(complete("asdic", "run", "--kernel", "f"), ["frustum64"])
     tap.equal(complete("asdic", "detect", "--cfar", ""), ["ca", "os"])
+    for command in ("run", "expect", "plan"):
+        tap.equal(complete("asdic", command, "--refraction", ""), ["full", "layer", "off"])
+    tap.equal(complete("asdic", "detect", "--background", ""), ["auto", "flat", "simulated", "cfar"])
+    tap.equal(complete("asdic", "bench", "--kernel", "p"), ["pkt16"])
     tap.equal(complete("asdic", "roc", "--target", "swerling3"), ["swerling3"])
     tap.equal(complete("asdic", "serve", "--format", "")[-1:], ["raw"])
     tap.equal(complete("asdic", "bench", "--threads", ""), [], "a number")
