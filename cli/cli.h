@@ -115,8 +115,11 @@ bool cli_vary(cli *c, size_t most, char **key, const char **values, size_t *coun
 extern const char *const cli_target_names[];
 bool cli_bad_usage(const cli *c);
 
-/* Whether a file may be written to PATH: none is there or the command's --force is given; so may NULL, "-", pipes
- * and devices. False after a report. */
+/* Whether PATH is the standard output: "-" or "/dev/stdout". */
+bool cli_is_stdout(const char *path);
+
+/* Whether a file may be written to PATH: none is there or the command's --force is given; so may
+ * NULL, the standard output, pipes and devices. False after a report. */
 bool cli_may_write(cli *c, const char *path);
 
 /* An output file, written as PATH.part and renamed when it is whole. "-" is standard output, of

@@ -52,7 +52,7 @@ static bool fail(const cli *c, const char *path, int error) {
 }
 
 bool cli_file_open(const cli *c, const char *path, cli_file *out) {
-    bool is_stdout = strcmp(path, "-") == 0 || strcmp(path, "/dev/stdout") == 0;
+    bool is_stdout = cli_is_stdout(path);
     *out = (cli_file){.stream = is_stdout ? stdout : NULL, .path = path};
     if (is_stdout) {
         return true;

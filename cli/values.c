@@ -38,9 +38,13 @@ bool cli_bad_usage(const cli *c) {
     return c->bad_usage;
 }
 
+bool cli_is_stdout(const char *path) {
+    return strcmp(path, "-") == 0 || strcmp(path, "/dev/stdout") == 0;
+}
+
 bool cli_may_write(cli *c, const char *path) {
     struct stat st;
-    if (path && strcmp(path, "-") != 0 && !cli_given(c, "force") && stat(path, &st) == 0 &&
+    if (path && !cli_is_stdout(path) && !cli_given(c, "force") && stat(path, &st) == 0 &&
         S_ISREG(st.st_mode)) {
         cli_error(c, "'%s' exists; --force overwrites it", path);
         return false;

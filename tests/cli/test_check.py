@@ -3,8 +3,10 @@ import json
 import os
 import pathlib
 import re
+import subprocess
 import tempfile
 
+import program
 import tap
 from program import asdic, need_device
 
@@ -482,6 +484,9 @@ def test_waypoints_are_flown_and_written():
         tap.equal((refused.code, refused.err), (1, "error: 't.csv' exists; --force overwrites it\n"))
         tap.equal(asdic("check", "s.yaml", "--track", "t.csv", "--force", cwd=at).code, 0)
         tap.equal(asdic("check", "s.yaml", "replay.yaml", "--track", "u.csv", cwd=at).code, 2)
+        with open(os.path.join(at, "v.csv"), "w", encoding="utf-8") as file:  # which is there, and not asked for by name
+            subprocess.run([program.PATH, "check", "s.yaml", "--track", "/dev/stdout"], cwd=at, stdout=file, check=True)
+        tap.equal(pathlib.Path(at, "v.csv").read_text().splitlines(), lines, "to the standard output by its name")
 
 
 def test_odd_inputs_are_refused():
