@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 #define MOST_ANSWER 1024
+#define MOST_YAW_RAD 1e7 /* as of poses that are served */
 
 typedef struct program {
     pid_t pid; /* 0: not running */
@@ -249,6 +250,11 @@ static bool read_answer(const char *answer, asdic_trial_order *order, char *why)
     order->turns = !isnan(value[SERVE_YAW]);
     order->z_m = order->dives ? value[SERVE_Z] : 0.0;
     order->yaw_rad = order->turns ? value[SERVE_YAW] * CLI_PI / 180.0 : 0.0;
+    if (fabs(order->yaw_rad) > MOST_YAW_RAD) {
+        snprintf(why, ASDIC_TRIAL_WHY, "the rule asks for yaw_deg = %g, beyond %g rad",
+                 value[SERVE_YAW], MOST_YAW_RAD);
+        return false;
+    }
     if (order->dives && !(order->z_m >= 0.0 && order->z_m <= 11000.0)) {
         snprintf(why, ASDIC_TRIAL_WHY, "the rule asks for z_m = %g, out of range [0, 11000] m",
                  order->z_m);
