@@ -9,7 +9,10 @@
 /* Names of pictures in a list with commas, as bits. */
 static bool read_images(cli *c, unsigned *images) {
     const char *text = cli_text(c, "images"), *name;
-    while (text && *text) {
+    if (!text) {
+        return true;
+    }
+    do {
         size_t length = strcspn(text, ",");
         int i = 0;
         while ((name = asdic_image_name((asdic_image)i)) &&
@@ -23,6 +26,18 @@ static bool read_images(cli *c, unsigned *images) {
         }
         *images |= 1u << i;
         text += length + (text[length] == ',');
+    } while (*text);
+    return true;
+}
+
+/* Whether the window and gain of levels that were asked for are seen anywhere in IMAGES. */
+static bool check_levels(cli *c, unsigned images) {
+    static const char *const options[] = {"db-range", "tvg"};
+    for (size_t i = 0; images == 1u << ASDIC_IMAGE_PLAN && i < 2; i++) {
+        if (cli_given(c, options[i])) {
+            cli_usage(c, "--%s is of pictures of levels; a plan has none", options[i]);
+            return false;
+        }
     }
     return true;
 }
@@ -104,7 +119,7 @@ static int run(cli *c) {
     cli_choice(c, "format", formats, &format);
     cli_number(c, "tvg", 0.0, 100.0, &gain);
     cli_integer(c, "ping", 0, SIZE_MAX - 1, &ping);
-    if (cli_bad_usage(c) || !read_images(c, &options.images)) {
+    if (cli_bad_usage(c) || !read_images(c, &options.images) || !check_levels(c, options.images)) {
         return CLI_USAGE;
     }
     options.colormap = (asdic_colormap)map;

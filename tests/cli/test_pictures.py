@@ -136,6 +136,10 @@ def test_one_picture_goes_to_a_file_or_standard_output():
         tap.contains(asdic("render", run, "-o", "-").check(code=2, out="").err, "these are")
         asdic("render", run, "--images", "ascope", "-o", "-").check(code=2, out="")
         asdic("render", run, "--format", "jpg").check(code=2)
+        tap.contains(asdic("render", run, "--images", "").check(code=2, out="").err, "no picture ''; there are")
+        for option in (("--tvg", "30"), ("--db-range", "0:10")):
+            tap.contains(asdic("render", run, "--images", "plan", *option).check(code=2, out="").err,
+                         f"{option[0]} is of pictures of levels; a plan has none")
         waterfall = "render", run, "--images", "waterfall", "--beam", "down"
         tap.contains(asdic(*waterfall, "-o", folder / "w.jpg").check(code=2, out="").err,
                      "w.jpg: a picture is a file in .png, .pdf or .svg")
