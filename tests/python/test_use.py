@@ -1,6 +1,7 @@
 """What users of the Python package do, against what the library and the program give."""
 import csv
 import gc
+import importlib.util
 import json
 import os
 import subprocess
@@ -77,6 +78,7 @@ def test_pings_of_many_poses():
                 tap.equal((ping.index, ping.time, ping.pose, ping.altitude), (one.index, one.time, one.pose, one.altitude),
                           "facts")
             same(many.pings([[1, 2, 5]])[0].level_db, single.ping(1, 2, 5).level_db, "without attitude")
+            tap.equal((many.pings([]), many.pings(np.empty((0, 6)))), ([], []), "no poses")
 
 
 def test_simulator_keeps_the_missions_clock():
@@ -545,6 +547,18 @@ def test_xarray():
                 same(kept[name].values, np.asarray(values, np.float32), f"{name} in a file")
 
 
+def test_a_run_whose_folder_is_gone():
+    need_device()
+    with tempfile.TemporaryDirectory(prefix="asdic-test-") as folder:
+        run = asdic.simulate(pool(), os.path.join(folder, "r"))
+        levels = run.level_db.copy()
+        os.remove(os.path.join(folder, "r", "run.json"))
+        raises(asdic.InputError, "run.json: [Errno 2] No such file", lambda: run.info)
+        if importlib.util.find_spec("xarray"):
+            raises(asdic.InputError, "run.json: [Errno 2] No such file", run.to_xarray)
+        same(run.level_db, levels, "its levels")
+
+
 def test_where_a_run_was():
     """Of a vehicle at rest that is turned about all axes: as its scene says."""
     need_device()
@@ -749,6 +763,9 @@ def test_pictures():
     bar = run.stderr_db[2, 1].astype(float)[there]
     tap.equal(bool(np.allclose(np.ptp(bars, axis=1)[-len(bar):], 2 * bar, atol=1e-4)), True, "bars of one error up and down")
     plt.close("all")
+    for draw in (asdic.plot.fan, asdic.plot.waterfall):
+        draw(beside, shading="auto", cmap="gray")
+        plt.close("all")
     axes = asdic.plot.waterfall(run, 1)
     tap.equal(axes.get_ylabel(), "time, s", "waterfall")
     same(np.ma.filled(axes.collections[0].get_array(), np.nan).ravel(), run.level_db[:, 1].ravel(), "its levels")

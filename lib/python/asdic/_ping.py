@@ -328,6 +328,8 @@ class Simulator:
         The same pings as one by one, in fewer calls of the library, which may simulate some together.
         """
         rows = MASKED.asarray(poses)
+        if rows.shape == (0,):  # numpy sees no columns in []
+            return []
         if rows.ndim != 2 or rows.shape[1] not in (3, 6) or rows.dtype.kind not in "fiu":
             raise fail(ArgumentError, f"poses have the shape {rows.shape} of {rows.dtype}; they must be numbers of shape "
                        "(n, 3) or (n, 6)")

@@ -137,8 +137,12 @@ class Run:
     @functools.cached_property
     def info(self) -> dict[str, Any]:
         """run.json: version, scene, devices, times, errors, remarks."""
-        with open(os.path.join(self.folder, "run.json"), encoding="utf-8") as file:
-            return dict(json.load(file))
+        path = os.path.join(self.folder, "run.json")
+        try:
+            with open(path, encoding="utf-8") as file:
+                return dict(json.load(file))
+        except (OSError, ValueError) as error:
+            raise fail(InputError, f"{path}: {error}") from error
 
     @property
     def sonar(self) -> Fields:

@@ -58,7 +58,7 @@ def fan(of: Run | Ping, ping: int = 0, ax: Axes | None = None, **keys: Any) -> A
     ax = _axes(ax)
     levels = of.level_db[ping] if isinstance(of, Run) else of.level_db
     bearing, distance = np.meshgrid(np.radians(_edges(bearings)), _edges(of.ranges), indexing="ij")
-    image = ax.pcolormesh(distance * np.sin(bearing), distance * np.cos(bearing), levels[order], shading="flat", **keys)
+    image = ax.pcolormesh(distance * np.sin(bearing), distance * np.cos(bearing), levels[order], **{"shading": "flat", **keys})
     ax.set(xlabel="starboard, m", ylabel="ahead, m", aspect="equal")
     _colorbar(ax, image)
     return ax
@@ -81,7 +81,7 @@ def ascope(of: Run | Ping, beam: int | str | None = None, ping: int = 0, expecte
 def waterfall(run: Run, beam: int | str | None = None, ax: Axes | None = None, **keys: Any) -> Axes:
     """A beam's levels over range and time."""
     ax = _axes(ax)
-    image = ax.pcolormesh(_edges(run.ranges), _edges(run.times), run.level_db[:, _beam(run, beam)], shading="flat", **keys)
+    image = ax.pcolormesh(_edges(run.ranges), _edges(run.times), run.level_db[:, _beam(run, beam)], **{"shading": "flat", **keys})
     ax.set(xlabel="range, m", ylabel="time, s")
     _colorbar(ax, image)
     return ax
