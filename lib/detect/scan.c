@@ -15,13 +15,15 @@
 /* Steps of the sampling error for which thresholds are computed, and their number. */
 #define ERROR_STEP_DB 0.2
 #define MOST_STEPS 80
+/* Of coherent pings nothing is decided beside a bin of which so many times as much is expected. */
+#define EDGE_LIN 10.0
 
 struct asdic_scan {
     asdic_context *ctx;
     asdic_sonar sonar; /* without receivers */
     size_t beams, bins;
     asdic_detector detector;
-    bool has_cfar;
+    bool has_cfar, is_coherent;
     asdic_cfar cfar;
     asdic_cfar_scale scales[ASDIC_CFAR_SCALES];
     size_t apart;                /* bins between neighbours of its windows */
@@ -122,6 +124,12 @@ void asdic_scan_set_sound_speed(asdic_scan *scan, double sound_speed_mps) {
     }
 }
 
+void asdic_scan_set_coherent(asdic_scan *scan, bool is_coherent) {
+    if (scan) {
+        scan->is_coherent = is_coherent;
+    }
+}
+
 /* The threshold of a bin over its background's mean: from P_FA, or from the costs of errors. */
 static asdic_status find_factor(asdic_scan *scan, double noise_share, double *factor) {
     bool is_k = scan->law.shape <= ASDIC_SHAPE_MAX;
@@ -173,17 +181,24 @@ static asdic_status lift_thresholds(asdic_scan *scan, const float *stderr_db) {
     return ASDIC_OK;
 }
 
+/* Whether bin I may hold more of a neighbour's edge than of its own. */
+static bool is_edge(const asdic_scan *scan, const double *mean_lin, size_t i) {
+    double before = i % scan->bins > 0 ? mean_lin[i - 1] : 0.0;
+    double behind = (i + 1) % scan->bins > 0 ? mean_lin[i + 1] : 0.0;
+    return scan->is_coherent && !scan->has_cfar && fmax(before, behind) > EDGE_LIN * mean_lin[i];
+}
+
 /* Thresholds over MEAN_LIN, which may be an estimate of CFAR. */
 static asdic_status over_means(asdic_scan *scan, const double *mean_lin, const double *noise_lin) {
     for (size_t i = 0; i < scan->beams * scan->bins; i++) {
         double mean = mean_lin[i], factor = NAN;
-        bool is_known = mean > 0.0 && isfinite(mean);
+        bool is_known = mean > 0.0 && isfinite(mean) && !is_edge(scan, mean_lin, i);
         if (is_known) {
             double share = noise_lin ? fmin(fmax(noise_lin[i] / mean, 0.0), 1.0) : 0.0;
             TRY(find_factor(scan, share, &factor));
         }
         scan->background_lin[i] = is_known ? mean : NAN;
-        scan->threshold_lin[i] = factor * mean;
+        scan->threshold_lin[i] = factor * mean; /* NAN where nothing is known */
     }
     return ASDIC_OK;
 }

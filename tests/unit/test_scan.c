@@ -64,6 +64,40 @@ static void a_ping_is_decided(void **state) {
     }
 }
 
+/* Beside a bin of which more than ten times as much is expected, of the same beam; not of intensities, nor with CFAR. */
+static void nothing_is_decided_beside_loud_bins_of_coherent_pings(void **state) {
+    (void)state;
+    enum { BINS = 25, CELLS = 2 * BINS };
+    static const int edges[] = {6, 8, BINS - 2};
+    asdic_sonar sonar = asdic_sonar_default();
+    asdic_beam beams[2] = {sonar.transmitter, sonar.transmitter};
+    double mean[CELLS];
+    for (int i = 0; i < CELLS; i++) {
+        mean[i] = i == 7 || i == BINS - 1 ? 11.0 : i == 15 ? 9.0 : 1.0;
+    }
+    sonar = sonar_of(beams, 2);
+    for (int k = 0; k < 4; k++) {
+        bool is_coherent = k % 2, has_cfar = k / 2;
+        asdic_cfar cfar = asdic_cfar_default();
+        asdic_detector detector = asdic_detector_default();
+        detector.cost_ratio = 10.0; /* by which CFAR's means are judged as those expected are */
+        asdic_scan *scan = NULL;
+        assert_ok(ctx, asdic_scan_create(ctx, &sonar, SPEED, BINS, &detector,
+                                         has_cfar ? &cfar : NULL, &scan));
+        asdic_scan_set_coherent(scan, is_coherent);
+        assert_ok(ctx, asdic_scan_ping(scan, mean, has_cfar ? NULL : mean, NULL, NULL));
+        asdic_scan_result r = asdic_scan_get(scan);
+        for (int i = 0; i < CELLS; i++) {
+            bool is_edge = i == edges[0] || i == edges[1] || i == edges[2];
+            bool is_open = is_edge && is_coherent && !has_cfar;
+            assert_int_equal(isnan(r.threshold_lin[i]), is_open);
+            assert_int_equal(isnan(r.background_lin[i]), is_open);
+            assert_int_equal(isnan(r.llr[i]), is_open);
+        }
+        asdic_scan_destroy(&scan);
+    }
+}
+
 /* Whether a detector is taken that has VALUE in the number at OFFSET. */
 static bool is_taken(size_t offset, double value) {
     asdic_sonar sonar = asdic_sonar_default();
@@ -235,6 +269,7 @@ static void beams_have_axes_and_widths(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_ping_is_decided),
+        cmocka_unit_test(nothing_is_decided_beside_loud_bins_of_coherent_pings),
         cmocka_unit_test(detectors_have_limits),
         cmocka_unit_test(sampling_errors_are_allowed_for),
         cmocka_unit_test(bins_without_an_error_keep_their_threshold),

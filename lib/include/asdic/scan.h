@@ -42,6 +42,11 @@ ASDIC_API void asdic_scan_destroy(asdic_scan **scan);
 /* Where the vehicle is now: a bin has fewer looks in faster water, as the simulator draws them. */
 ASDIC_API void asdic_scan_set_sound_speed(asdic_scan *scan, double sound_speed_mps);
 
+/* Whether pings are coherent, whose pulses end in smooth edges, which levels that are expected are
+ * without: nothing is then decided in a bin beside one of which ten times as much is expected. It
+ * may hold more of that one's edge than of its own. False at first; no matter with CFAR. */
+ASDIC_API void asdic_scan_set_coherent(asdic_scan *scan, bool is_coherent);
+
 /* Decides about INTENSITY_LIN[beam * bins + bin]. EXPECTED_LIN: the background's mean, noise
  * included; NULL with CFAR. NOISE_LIN: the noise in it, and all else without texture (detect.h),
  * for K speckle; NULL: none.

@@ -31,7 +31,6 @@ typedef struct asdic_detect_job {
     asdic_ring_shelf *shelf;            /* the beams' profiles */
     double *intensity_lin, *noise_lin;  /* of the ping, [beam * bins + bin] */
     double *fixed_lin;                  /* of the background: what K speckle gives no texture */
-    double *decided_lin;                /* the background where something is decided; else NAN */
     double *rest_lin;                   /* expected, without the echoes of objects and ghosts */
     double *object_lin;                 /* those echoes */
     float *error_db;                    /* of the levels and of their background together */

@@ -18,9 +18,6 @@
 
 /* An echo that is weaker than this, re all else in its bin, does not count as one. */
 #define FAINT_LIN 0.01
-/* A coherent pulse ends in smooth edges, which levels that are expected are without: a bin beside one so many times as
- * loud may hold more of its edge than of its own. */
-#define EDGE_LIN 10.0
 /* Attitudes of which the beams' profiles are kept, some 40 kB a beam. */
 #define ATTITUDES 4
 /* Attitudes of a straight leg differ by rounding. A beam of half a degree falls by up to 3 dB a mrad where it still
@@ -105,22 +102,6 @@ static asdic_status find_background(asdic_detect_job *job, size_t index, const a
     return ASDIC_OK;
 }
 
-/* MEAN_LIN of a coherent ping without what is expected in bins that hold the edges of others' pulses, about which
- * nothing is decided. */
-static const double *without_edges(asdic_detect_job *job, const double *mean_lin) {
-    size_t bins = job->info.bins;
-    if (!mean_lin || !job->parts) {
-        return mean_lin;
-    }
-    for (size_t i = 0; i < job->info.beams * bins; i++) {
-        double before = i % bins > 0 ? mean_lin[i - 1] : 0.0;
-        double behind = i % bins + 1 < bins ? mean_lin[i + 1] : 0.0;
-        bool is_edge = fmax(before, behind) > EDGE_LIN * mean_lin[i];
-        job->decided_lin[i] = is_edge ? (double)NAN : mean_lin[i];
-    }
-    return job->decided_lin;
-}
-
 static asdic_status take_ping(asdic_detect_job *job, size_t index, const asdic_record *record) {
     const double *mean = NULL;
     job->sound_speed_mps =
@@ -129,7 +110,6 @@ static asdic_status take_ping(asdic_detect_job *job, size_t index, const asdic_r
     read_truth(job, record);
     asdic_scan_set_sound_speed(job->scan, job->sound_speed_mps);
     TRY(find_background(job, index, record, &mean));
-    mean = without_edges(job, mean);
     TRY(asdic_scan_ping(job->scan, job->intensity_lin, mean, job->fixed_lin, job->error_db));
     asdic_scan_result result = asdic_scan_get(job->scan);
     for (size_t i = 0; i < job->info.beams * job->info.bins; i++) {
@@ -149,7 +129,7 @@ static asdic_status take_ping(asdic_detect_job *job, size_t index, const asdic_r
 
 static asdic_status allocate(asdic_detect_job *job) {
     size_t cells = job->info.beams * job->info.bins;
-    job->intensity_lin = calloc(6 * cells, sizeof *job->intensity_lin);
+    job->intensity_lin = calloc(5 * cells, sizeof *job->intensity_lin);
     job->truth = calloc(cells, sizeof *job->truth);
     job->label = calloc(cells, sizeof *job->label);
     job->detected = calloc(cells, sizeof *job->detected);
@@ -171,7 +151,6 @@ static asdic_status allocate(asdic_detect_job *job) {
     job->rest_lin = job->noise_lin + cells;
     job->object_lin = job->rest_lin + cells;
     job->fixed_lin = job->object_lin + cells;
-    job->decided_lin = job->fixed_lin + cells;
     job->track_east_m = job->track_north_m + job->info.pings + 1;
     return ASDIC_OK;
 }
@@ -312,8 +291,10 @@ static asdic_status choose_background(asdic_detect_job *job) {
                   "often than P_FA says, and how often is not predicted");
     }
     const asdic_cfar *cfar = job->report->by_cfar ? &job->options->cfar : NULL;
-    return asdic_scan_create(job->ctx, job->info.sonar, job->sound_speed_mps, job->info.bins,
-                             &job->detector, cfar, &job->scan);
+    TRY(asdic_scan_create(job->ctx, job->info.sonar, job->sound_speed_mps, job->info.bins,
+                          &job->detector, cfar, &job->scan));
+    asdic_scan_set_coherent(job->scan, job->info.sampling.coherent);
+    return ASDIC_OK;
 }
 
 /* Loads the run's scene again, if it and all that it reads are as they were. */
