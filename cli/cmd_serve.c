@@ -35,11 +35,8 @@ typedef struct server {
     asdic_loop *loop;
     serve_reader reader;
     serve_writer writer;
-    asdic_ping *expectation;
-    float *expected_db;
-    asdic_expected_place place; /* of both */
-    bool has_expected;
-    asdic_scan *scan;        /* NULL: not asked for */
+    asdic_lookout *lookout;  /* NULL: neither is asked for */
+    float *expected_db;      /* NULL: not asked for */
     asdic_loop_ping ping;    /* the last, ... */
     asdic_scan_result found; /* ... and what was detected in it */
     uint64_t line;
@@ -112,28 +109,13 @@ static const char *next_line(line_source *in, asdic_context *ctx, size_t *length
     }
 }
 
-/* Quadrature takes longer than a ping, so a place with the same altitude and attitude keeps its
- * expected levels. The heading is set north, so that an answer does not depend on earlier
- * requests. */
-static asdic_status expect(server *s, const asdic_loop_ping *ping) {
-    asdic_expected_place place = {.flat = asdic_mission_flat_scene(s->mission, 0)};
-    asdic_sweep sweep = asdic_mission_sweep(s->mission);
-    asdic_loop_ping_place(ping, &place);
-    place.pose = asdic_sweep_sonar(&sweep, &ping->pose, ping->ping);
-    place.pose.yaw_rad = 0.0;
-    if (s->has_expected && asdic_expected_is_near(&place, &s->place, 0.0, 0.0)) {
-        return ASDIC_OK;
-    }
-    s->has_expected = false;
-    TRY(asdic_expected_compute(cli_context(s->c), &place.flat,
-                               asdic_mission_environment(s->mission),
-                               asdic_mission_sonar(s->mission), &place.pose, s->expectation));
-    for (size_t i = 0; i < ping->beams * ping->bins; i++) {
-        double level_db = asdic_level_db(s->expectation->intensity_lin[ASDIC_TOTAL][i]);
+static asdic_status expect(server *s) {
+    const double *total_lin;
+    TRY(asdic_lookout_expect(s->lookout, &s->ping, &total_lin));
+    for (size_t i = 0; i < s->ping.beams * s->ping.bins; i++) {
+        double level_db = asdic_level_db(total_lin[i]);
         s->expected_db[i] = isfinite(level_db) ? (float)level_db : NAN;
     }
-    s->place = place;
-    s->has_expected = true;
     return ASDIC_OK;
 }
 
@@ -162,18 +144,15 @@ static asdic_status make_ping(void *user, const asdic_pose *pose, serve_answer *
     }
     TRY(status);
     TRY(asdic_loop_collect(s->loop, ping));
-    if (s->expected_db) {
-        TRY(expect(s, ping));
-    }
-    if (s->scan) {
-        const asdic_environment *env = asdic_mission_environment(s->mission);
-        asdic_scan_set_sound_speed(s->scan, asdic_environment_sound_speed_mps(env, z_m));
-        TRY(asdic_scan_ping(s->scan, ping->parts->intensity_lin[ASDIC_TOTAL],
-                            s->expectation->intensity_lin[ASDIC_TOTAL],
-                            s->expectation->intensity_lin[ASDIC_NOISE], ping->parts->stderr_db));
-        s->found = asdic_scan_get(s->scan);
-    }
-    *answer = (serve_answer){ping, s->expected_db, s->scan ? &s->found : NULL};
+    *answer = (serve_answer){.ping = ping};
+    return ASDIC_OK;
+}
+
+/* What is detected in the last ping, into its ANSWER. */
+static asdic_status detect(void *user, serve_answer *answer) {
+    server *s = user;
+    TRY(asdic_lookout_detect(s->lookout, answer->ping, &s->found));
+    answer->detection = &s->found;
     return ASDIC_OK;
 }
 
@@ -191,6 +170,13 @@ static asdic_status ping_at(server *s, serve_request *request) {
     if (*why) {
         refuse(s, why);
     } else {
+        if (s->writer.has_expected) {
+            TRY(expect(s));
+            answer.expected_db = s->expected_db;
+        }
+        if (s->writer.has_detections) {
+            TRY(detect(s, &answer));
+        }
         tell_time(s, request);
         serve_write_ping(&s->writer, s->line, request, &answer);
     }
@@ -252,15 +238,9 @@ static asdic_status start(server *s, asdic_device *device) {
     s->writer.bins = asdic_loop_bin_count(s->loop);
     s->writer.bin_length_m = sonar->bin_length_m;
     if (s->writer.has_expected || s->writer.has_detections) {
-        TRY(asdic_ping_create(ctx, sonar->receiver_count, s->writer.bins, &s->expectation));
+        TRY(asdic_lookout_create(ctx, s->mission, s->writer.bins, &s->lookout));
         s->expected_db = malloc(sonar->receiver_count * s->writer.bins * sizeof(float));
         TRY(s->expected_db ? ASDIC_OK : ASDIC_ERROR_MEMORY);
-    }
-    if (s->writer.has_detections) {
-        double speed_mps =
-            asdic_environment_sound_speed_mps(asdic_mission_environment(s->mission), depth_m);
-        TRY(asdic_scan_create(ctx, sonar, speed_mps, s->writer.bins,
-                              asdic_mission_detector(s->mission), NULL, &s->scan));
     }
     return ASDIC_OK;
 }
@@ -282,7 +262,7 @@ static int serve_topics(server *s, bool is_odometry) {
     asdic_ros_about about = asdic_ros_about_default();
     serve_ros2_options topics = {.pose_topic = "/asdic/pose", .out_topics = "/asdic"};
     const asdic_sonar *sonar = asdic_mission_sonar(s->mission);
-    const serve_pinger pinger = {make_ping, s, 1.0 / sonar->ping_rate_hz};
+    const serve_pinger pinger = {make_ping, detect, s, 1.0 / sonar->ping_rate_hz};
     double start_s, depth_m = asdic_mission_pose(s->mission, 0, &start_s).position_m.z;
     topics.is_odometry = is_odometry;
     topics.is_reliable = cli_given(s->c, "reliable");
@@ -367,8 +347,7 @@ static int run(cli *c) {
                : cli_given(c, "ros2") ? serve_topics(&s, pose_type == 0)
                                       : serve(&s);
     asdic_loop_destroy(&s.loop);
-    asdic_scan_destroy(&s.scan);
-    asdic_ping_destroy(&s.expectation);
+    asdic_lookout_destroy(&s.lookout);
     free(s.expected_db);
     asdic_devices_close(&devices, device_count);
     asdic_mission_destroy(&s.mission);
@@ -399,11 +378,16 @@ const cli_command cli_serve_command = {
         "starboard. csv: a header, then a line per ping with its levels beam by beam. raw: 56 "
         "bytes, little-endian (\"ASDP\"; uint32 status; uint64 ping; double time_s, altitude_m, "
         "bin_length_m; uint32 beams, bins, arrays, line), then float32 [arrays][beam][bin].\n\n"
+        "--expected is of the nearest place of a grid, 1 mm in altitude and depth and 1e-4 degrees "
+        "in roll and pitch: within 0.1 dB, but where a bin holds a few mm of a plane's first "
+        "echo. "
         "--detect adds what exceeds the expected level by more than the scene's detector allows "
         "(detector.pfa): in JSON \"detections\" with beam, range_m and llr, the logarithm of the "
         "likelihood ratio; in CSV a last column of beam:range; raw a last array, NaN where nothing "
         "was "
-        "detected.\n\n"
+        "detected. Over a bottom from a mesh or grid bins are held against their neighbours "
+        "(OS-CFAR), as in trials; false alarms are then more than detector.pfa where levels step. "
+        "A new altitude, roll or pitch takes longer than a ping of many beams.\n\n"
         "A line that cannot be served is answered as well: an object with \"error\" and \"line\", "
         "a "
         "line whose 'error' is filled, or a frame of status 1 full of NaN; the next line is "

@@ -55,7 +55,7 @@ typedef struct serve_writer {
 typedef struct serve_answer {
     const asdic_loop_ping *ping;
     const float *expected_db;           /* NULL: not asked for */
-    const asdic_scan_result *detection; /* NULL: not asked for */
+    const asdic_scan_result *detection; /* NULL: not asked for, or not yet */
 } serve_answer;
 
 /* A raw answer: this, then ARRAYS times beams x bins floats [beam][bin]: level; expected level, and
@@ -88,10 +88,12 @@ typedef struct serve_ros2_options {
     bool is_reliable, has_sim_time, has_detections;
 } serve_ros2_options;
 
-/* Makes pings: MAKE answers a pose, or fills WHY when there is no ping from there. */
+/* Makes pings: MAKE answers a pose, or fills WHY when there is no ping from there; DETECT, which takes longer, adds what
+ * is detected to that answer. */
 typedef struct serve_pinger {
     asdic_status (*make)(void *server, const asdic_pose *pose, serve_answer *out,
                          char why[SERVE_WHY_SIZE]);
+    asdic_status (*detect)(void *server, serve_answer *answer);
     void *server;
     double period_s; /* between pings */
 } serve_pinger;

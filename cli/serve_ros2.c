@@ -75,7 +75,21 @@ static bool is_of_the_frame(ros2_server *s, const asdic_ros_stamped *pose) {
     return good;
 }
 
-static asdic_status send(ros2_server *s, const serve_answer *answer, int64_t time_ns) {
+/* An output is made for those who hear it alone: detections take longer than a ping. */
+static bool is_heard(const ros2_server *s, asdic_ros_output output) {
+    return (output != ASDIC_ROS_DETECTIONS || s->options->has_detections) &&
+           asdic_ros_has(s->ros, output) && ros2_node_is_heard(s->node, output);
+}
+
+static asdic_status detect(ros2_server *s, serve_answer *answer) {
+    asdic_status status = s->pinger->detect(s->pinger->server, answer);
+    for (size_t i = 0; !status && i < s->cells; i++) {
+        s->detected[i] = serve_is_detected(answer, i);
+    }
+    return status;
+}
+
+static asdic_status send(ros2_server *s, serve_answer *answer, int64_t time_ns) {
     const asdic_ros_ping ping = {.time_ns = time_ns,
                                  .ping = answer->ping->ping,
                                  .vehicle = answer->ping->pose,
@@ -83,18 +97,17 @@ static asdic_status send(ros2_server *s, const serve_answer *answer, int64_t tim
                                  .detected = s->detected};
     const asdic_ros_output order[] = {ASDIC_ROS_HEAD, ASDIC_ROS_SONAR, ASDIC_ROS_PICTURE,
                                       ASDIC_ROS_DETECTIONS};
-    for (size_t i = 0; answer->detection && i < s->cells; i++) {
-        s->detected[i] = serve_is_detected(answer, i);
-    }
     for (size_t i = 0; i < sizeof order / sizeof *order; i++) {
         const void *bytes;
         size_t size;
-        bool is_sent = asdic_ros_has(s->ros, order[i]) && ros2_node_is_heard(s->node, order[i]) &&
-                       (order[i] != ASDIC_ROS_DETECTIONS || answer->detection);
+        bool is_sent = is_heard(s, order[i]);
         /* A scan's picture wants every ping, heard or not; its head costs nothing. */
         bool is_made = is_sent || (order[i] == ASDIC_ROS_HEAD && asdic_ros_has(s->ros, order[i]));
         asdic_status status =
-            is_made ? asdic_ros_encode(s->ros, order[i], &ping, &bytes, &size) : ASDIC_OK;
+            is_sent && order[i] == ASDIC_ROS_DETECTIONS ? detect(s, answer) : ASDIC_OK;
+        if (!status && is_made) {
+            status = asdic_ros_encode(s->ros, order[i], &ping, &bytes, &size);
+        }
         if (status) {
             return status;
         }

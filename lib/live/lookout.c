@@ -1,4 +1,4 @@
-#include "trial_eye.h"
+#include "lookout.h"
 
 #include "base/context.h"
 #include "base/hash.h"
@@ -18,20 +18,29 @@
 #define STEP_RAD (1e-4 * ASDIC_PI / 180.0)
 /* Attitudes of which a beam's profile is kept, some 40 kB, and from one to the next. */
 #define ATTITUDES 256
+#define PROFILE_BYTES 4e4
 #define PROFILE_STEP_RAD (0.05 * ASDIC_PI / 180.0)
+/* What of many beams is kept at most, of attitudes and of places. */
+#define MOST_BYTES 2.5e8
 
-static void forget_places(asdic_eye *eye) {
-    for (size_t i = 0; i < ASDIC_EYE_PLACES; i++) {
-        free(eye->places[i].total_lin);
-        eye->places[i] = (eye_place){.total_lin = NULL};
+/* How many of MOST are kept of BYTES each. */
+static size_t fit(size_t most, double bytes) {
+    return (size_t)fmin(fmax(MOST_BYTES / bytes, 1.0), (double)most);
+}
+
+static void forget_places(asdic_lookout *lookout) {
+    for (size_t i = 0; i < ASDIC_LOOKOUT_PLACES; i++) {
+        free(lookout->places[i].total_lin);
+        lookout->places[i] = (lookout_place){.total_lin = NULL};
     }
 }
 
-/* Whether the sonar, and what of a beam's bins is expected, are those of the run before. */
-static bool is_same_sonar(const asdic_eye *eye, const asdic_mission *mission, size_t bins,
+/* Whether the sonar, and what of a beam's bins is expected, are those of the mission before. */
+static bool is_same_sonar(const asdic_lookout *lookout, const asdic_mission *mission, size_t bins,
                           size_t known) {
-    const asdic_sonar *a = &eye->sonar, *b = &mission->settings.sonar;
-    if (bins != eye->bins || known != eye->known || a->receiver_count != b->receiver_count) {
+    const asdic_sonar *a = &lookout->sonar, *b = &mission->settings.sonar;
+    if (bins != lookout->bins || known != lookout->known ||
+        a->receiver_count != b->receiver_count) {
         return false;
     }
     asdic_sonar other = *b;
@@ -40,156 +49,250 @@ static bool is_same_sonar(const asdic_eye *eye, const asdic_mission *mission, si
            memcmp(a->receivers, b->receivers, a->receiver_count * sizeof *a->receivers) == 0;
 }
 
-static asdic_status remember(asdic_eye *eye, const asdic_mission *mission, size_t bins,
+static asdic_status remember(asdic_lookout *lookout, const asdic_mission *mission, size_t bins,
                              size_t known) {
     const asdic_sonar *sonar = &mission->settings.sonar;
     size_t bytes = sonar->receiver_count * sizeof *sonar->receivers;
     asdic_beam *receivers = malloc(bytes);
     size_t cells = sonar->receiver_count * bins;
-    forget_places(eye);
-    asdic_ping_destroy(&eye->scratch);
-    free((asdic_beam *)eye->sonar.receivers);
-    free(eye->total_lin);
-    eye->total_lin = malloc(2 * cells * sizeof(double));
-    eye->noise_lin = eye->total_lin + cells;
-    eye->sonar = *sonar;
-    eye->sonar.receivers = receivers;
-    eye->bins = bins;
-    eye->known = known;
-    if (!receivers || !eye->total_lin) {
-        return asdic_fail_memory(eye->ctx, "a sonar");
+    forget_places(lookout);
+    asdic_ping_destroy(&lookout->scratch);
+    free((asdic_beam *)lookout->sonar.receivers);
+    free(lookout->total_lin);
+    lookout->total_lin = malloc(2 * cells * sizeof(double));
+    lookout->noise_lin = lookout->total_lin + cells;
+    lookout->sonar = *sonar;
+    lookout->sonar.receivers = receivers;
+    lookout->bins = bins;
+    lookout->known = known;
+    if (!receivers || !lookout->total_lin) {
+        return asdic_fail_memory(lookout->ctx, "a sonar");
     }
     memcpy(receivers, sonar->receivers, bytes);
     for (size_t i = 0; i < 2 * cells; i++) {
-        eye->total_lin[i] = NAN;
+        lookout->total_lin[i] = NAN;
     }
-    return asdic_ping_create(eye->ctx, sonar->receiver_count, known, &eye->scratch);
+    return asdic_ping_create(lookout->ctx, sonar->receiver_count, known, &lookout->scratch);
 }
 
 /* The detector of the mission; one that is there stays, since what it has tabulated holds on. */
-static asdic_status need_scan(asdic_eye *eye, const asdic_cfar *cfar, double speed_mps) {
-    const asdic_detector *detector = &eye->mission->settings.detector;
-    if (eye->scan && eye->scan_is_flat == eye->is_flat && eye->scan_cfar == cfar->kind &&
-        memcmp(&eye->scan_detector, detector, sizeof *detector) == 0) {
+static asdic_status need_scan(asdic_lookout *lookout, const asdic_cfar *cfar) {
+    const asdic_detector *detector = &lookout->mission->settings.detector;
+    if (lookout->scan && lookout->scan_is_flat == lookout->is_flat &&
+        lookout->scan_cfar == cfar->kind &&
+        memcmp(&lookout->scan_detector, detector, sizeof *detector) == 0) {
         return ASDIC_OK;
     }
-    asdic_scan_destroy(&eye->scan);
-    eye->scan_is_flat = eye->is_flat;
-    eye->scan_cfar = cfar->kind;
-    eye->scan_detector = *detector;
-    return asdic_scan_create(eye->ctx, &eye->sonar, speed_mps, eye->bins, detector,
-                             eye->is_flat ? NULL : cfar, &eye->scan);
+    asdic_scan_destroy(&lookout->scan);
+    lookout->scan_is_flat = lookout->is_flat;
+    lookout->scan_cfar = cfar->kind;
+    lookout->scan_detector = *detector;
+    double speed_mps = asdic_environment_sound_speed_mps(&lookout->environment, 0.0);
+    return asdic_scan_create(lookout->ctx, &lookout->sonar, speed_mps, lookout->bins, detector,
+                             lookout->is_flat ? NULL : cfar, &lookout->scan);
 }
 
-asdic_trial_background asdic_eye_background(const asdic_mission *mission) {
+static asdic_trial_background background_of(const asdic_mission *mission) {
     asdic_trial_background asked = mission->trial.background;
     return asked != ASDIC_TRIAL_AUTO            ? asked
            : asdic_mission_bottom_mesh(mission) ? ASDIC_TRIAL_OS
                                                 : ASDIC_TRIAL_FLAT;
 }
 
-asdic_status asdic_eye_open(asdic_eye *eye, const asdic_mission *mission, double depth_m,
-                            double reach_m) {
-    const asdic_sonar *sonar = &mission->settings.sonar;
+bool asdic_lookout_is_flat(const asdic_mission *mission) {
+    return background_of(mission) == ASDIC_TRIAL_FLAT;
+}
+
+static void warn(asdic_context *ctx, bool is_wrong, bool *told, const char *words) {
+    if (is_wrong && !*told) {
+        asdic_log(ctx, ASDIC_LOG_WARNING, "%s", words);
+        *told = true;
+    }
+}
+
+void asdic_lookout_warn(asdic_context *ctx, const asdic_mission *mission,
+                        bool told[ASDIC_LOOKOUT_WARNINGS]) {
+    asdic_scene_info scene = asdic_scene_get_info(mission->scene);
+    const asdic_settings *s = &mission->settings;
+    bool has_mirror = scene.has_surface || scene.has_bottom_plane;
+    bool is_flat = asdic_lookout_is_flat(mission);
+    bool is_spiky = s->sonar.speckle == ASDIC_SPECKLE_K && !is_flat;
+    bool mirrors = s->sampling.multipath == ASDIC_MULTIPATH_BOUNDARIES && has_mirror && is_flat;
+    warn(ctx, is_spiky && isnan(s->detector.cost_ratio), &told[ASDIC_LOOKOUT_SPIKES],
+         "thresholds are those of CFAR in Rayleigh speckle; K speckle exceeds them more often than "
+         "P_FA says");
+    warn(ctx, mirrors, &told[ASDIC_LOOKOUT_MIRRORS],
+         "the detector expects no echoes that surface and bottom mirror ('multipath: boundaries') "
+         "and takes them for targets");
+}
+
+/* What there is room for, of so many beams and known bins. */
+static asdic_status need_room(asdic_lookout *lookout) {
+    double beams = (double)lookout->sonar.receiver_count;
+    size_t attitudes = fit(ATTITUDES, beams * PROFILE_BYTES);
+    lookout->place_count =
+        fit(ASDIC_LOOKOUT_PLACES, beams * (double)lookout->known * 2.0 * sizeof(double));
+    if (lookout->shelf && lookout->shelf_attitudes == attitudes) {
+        return ASDIC_OK;
+    }
+    asdic_ring_shelf_destroy(&lookout->shelf);
+    lookout->shelf_attitudes = attitudes;
+    return asdic_ring_shelf_create(lookout->ctx, attitudes, &lookout->shelf);
+}
+
+asdic_status asdic_lookout_open(asdic_lookout *lookout, const asdic_mission *mission, size_t bins,
+                                double reach_m) {
+    const asdic_settings *settings = &mission->settings;
     asdic_cfar cfar = asdic_cfar_default();
-    asdic_trial_background background = asdic_eye_background(mission);
-    eye->mission = mission;
-    if (!eye->shelf) {
-        TRY(asdic_ring_shelf_create(eye->ctx, ATTITUDES, &eye->shelf));
+    size_t known = (size_t)fmin(ceil(reach_m / settings->sonar.bin_length_m) + 1.0, (double)bins);
+    lookout->mission = mission;
+    if (!is_same_sonar(lookout, mission, bins, known)) {
+        asdic_scan_destroy(&lookout->scan);
+        TRY(remember(lookout, mission, bins, known));
+        TRY(need_room(lookout));
     }
-    TRY(asdic_loop_create_mission(eye->ctx, eye->device, mission, depth_m, 0.0, &eye->loop));
-    size_t bins = asdic_loop_bin_count(eye->loop);
-    size_t known = (size_t)fmin(ceil(reach_m / sonar->bin_length_m) + 1.0, (double)bins);
-    if (!is_same_sonar(eye, mission, bins, known)) {
-        asdic_scan_destroy(&eye->scan);
-        TRY(remember(eye, mission, bins, known));
+    if (memcmp(&lookout->environment, &settings->environment, sizeof lookout->environment) != 0) {
+        forget_places(lookout);
+        lookout->environment = settings->environment;
     }
-    if (memcmp(&eye->environment, &mission->settings.environment, sizeof eye->environment) != 0) {
-        forget_places(eye);
-        eye->environment = mission->settings.environment;
-    }
-    eye->is_flat = background == ASDIC_TRIAL_FLAT;
-    cfar.kind = background == ASDIC_TRIAL_CA ? ASDIC_CFAR_CA : ASDIC_CFAR_OS;
-    double speed_mps = asdic_environment_sound_speed_mps(&mission->settings.environment, depth_m);
-    return need_scan(eye, &cfar, speed_mps);
+    lookout->is_flat = asdic_lookout_is_flat(mission);
+    cfar.kind = background_of(mission) == ASDIC_TRIAL_CA ? ASDIC_CFAR_CA : ASDIC_CFAR_OS;
+    TRY(need_scan(lookout, &cfar));
+    asdic_scan_set_coherent(lookout->scan, settings->sampling.coherent);
+    return ASDIC_OK;
 }
 
 /* The place of PING, on the grid. */
-static asdic_expected_place place_of(const asdic_eye *eye, const asdic_loop_ping *ping) {
+static asdic_expected_place place_of(const asdic_lookout *lookout, const asdic_loop_ping *ping) {
     asdic_expected_place place = {
-        .flat = {.has_surface = asdic_scene_get_info(eye->mission->scene).has_surface,
-                 .bottom = eye->mission->bottom,
-                 .surface = eye->mission->scene->surface}};
+        .flat = {.has_surface = asdic_scene_get_info(lookout->mission->scene).has_surface,
+                 .bottom = lookout->mission->bottom,
+                 .surface = lookout->mission->scene->surface}};
     asdic_loop_ping_place(ping, &place);
-    asdic_pose sonar = asdic_sweep_sonar(&eye->mission->settings.sweep, &ping->pose, ping->ping);
+    asdic_pose sonar =
+        asdic_sweep_sonar(&lookout->mission->settings.sweep, &ping->pose, ping->ping);
     return asdic_expected_place_on_grid(&place.flat, &sonar, STEP_M, STEP_RAD);
 }
 
-static size_t slot_of(const asdic_expected_place *place) {
+static size_t slot_of(const asdic_lookout *lookout, const asdic_expected_place *place) {
     const double key[4] = {place->flat.altitude_m, place->flat.depth_m, place->pose.pitch_rad,
                            place->pose.roll_rad};
-    return asdic_hash_slot(key, sizeof key, ASDIC_EYE_PLACES);
+    return asdic_hash_slot(key, sizeof key, lookout->place_count);
 }
 
 /* Copies what KEPT holds to where a scan reads it. */
-static void spread(asdic_eye *eye, const eye_place *kept) {
-    size_t bytes = eye->known * sizeof(double);
-    for (size_t b = 0; b < eye->sonar.receiver_count; b++) {
-        memcpy(eye->total_lin + b * eye->bins, kept->total_lin + b * eye->known, bytes);
-        memcpy(eye->noise_lin + b * eye->bins, kept->noise_lin + b * eye->known, bytes);
+static void spread(asdic_lookout *lookout, const lookout_place *kept) {
+    size_t bytes = lookout->known * sizeof(double);
+    for (size_t b = 0; b < lookout->sonar.receiver_count; b++) {
+        memcpy(lookout->total_lin + b * lookout->bins, kept->total_lin + b * lookout->known, bytes);
+        memcpy(lookout->noise_lin + b * lookout->bins, kept->noise_lin + b * lookout->known, bytes);
     }
 }
 
-/* What is expected at PLACE, into the eye's total and noise. */
-static asdic_status expect(asdic_eye *eye, const asdic_expected_place *place) {
-    eye_place *kept = &eye->places[slot_of(place)];
-    size_t cells = eye->sonar.receiver_count * eye->known;
-    if (!kept->total_lin || !asdic_expected_is_near(place, &kept->place, 0.0, 0.0)) {
-        TRY(asdic_expected_compute_among(eye->ctx, eye->shelf, place, PROFILE_STEP_RAD,
-                                         &eye->environment, &eye->sonar, eye->scratch));
+/* What is expected where PING was, into the lookout's total and noise. */
+static asdic_status expect(asdic_lookout *lookout, const asdic_loop_ping *ping) {
+    const asdic_expected_place place = place_of(lookout, ping);
+    lookout_place *kept = &lookout->places[slot_of(lookout, &place)];
+    size_t cells = lookout->sonar.receiver_count * lookout->known;
+    if (!kept->total_lin || !asdic_expected_is_near(&place, &kept->place, 0.0, 0.0)) {
+        TRY(asdic_expected_compute_among(lookout->ctx, lookout->shelf, &place, PROFILE_STEP_RAD,
+                                         &lookout->environment, &lookout->sonar, lookout->scratch));
         kept->total_lin = kept->total_lin ? kept->total_lin : malloc(2 * cells * sizeof(double));
         if (!kept->total_lin) {
-            return asdic_fail_memory(eye->ctx, "expected levels");
+            return asdic_fail_memory(lookout->ctx, "expected levels");
         }
         kept->noise_lin = kept->total_lin + cells;
-        kept->place = *place;
-        memcpy(kept->total_lin, eye->scratch->intensity_lin[ASDIC_TOTAL], cells * sizeof(double));
-        memcpy(kept->noise_lin, eye->scratch->intensity_lin[ASDIC_NOISE], cells * sizeof(double));
+        kept->place = place;
+        memcpy(kept->total_lin, lookout->scratch->intensity_lin[ASDIC_TOTAL],
+               cells * sizeof(double));
+        memcpy(kept->noise_lin, lookout->scratch->intensity_lin[ASDIC_NOISE],
+               cells * sizeof(double));
     }
-    spread(eye, kept);
+    spread(lookout, kept);
     return ASDIC_OK;
 }
 
-asdic_status asdic_eye_look(asdic_eye *eye, const asdic_pose *pose, asdic_loop_ping *ping,
-                            asdic_scan_result *found) {
-    TRY(asdic_loop_submit(eye->loop, pose));
-    TRY(asdic_loop_collect(eye->loop, ping));
-    if (eye->is_flat) {
-        asdic_expected_place place = place_of(eye, ping);
-        TRY(expect(eye, &place));
+asdic_status asdic_lookout_expect(asdic_lookout *lookout, const asdic_loop_ping *ping,
+                                  const double **total_lin) {
+    if (!lookout || !ping || !total_lin) {
+        return asdic_fail_null(lookout ? lookout->ctx : NULL, __func__);
     }
-    asdic_scan_set_sound_speed(
-        eye->scan, asdic_environment_sound_speed_mps(&eye->environment, pose->position_m.z));
-    TRY(asdic_scan_ping(eye->scan, ping->parts->intensity_lin[ASDIC_TOTAL],
-                        eye->is_flat ? eye->total_lin : NULL,
-                        eye->is_flat ? eye->noise_lin : ping->parts->intensity_lin[ASDIC_NOISE],
+    TRY(expect(lookout, ping));
+    *total_lin = lookout->total_lin;
+    return ASDIC_OK;
+}
+
+/* Before the first decision: who wants expected levels alone need not know. */
+static void tell(asdic_lookout *lookout) {
+    bool told[ASDIC_LOOKOUT_WARNINGS] = {false};
+    if (lookout->tells && !lookout->is_flat &&
+        lookout->mission->trial.background == ASDIC_TRIAL_AUTO) {
+        asdic_log(lookout->ctx, ASDIC_LOG_WARNING,
+                  "the bottom is no plane, over which levels are expected: bins are held against "
+                  "their neighbours (OS-CFAR), whose P_FA is higher where levels step");
+    }
+    if (lookout->tells) {
+        asdic_lookout_warn(lookout->ctx, lookout->mission, told);
+    }
+    lookout->tells = false;
+}
+
+asdic_status asdic_lookout_detect(asdic_lookout *lookout, const asdic_loop_ping *ping,
+                                  asdic_scan_result *found) {
+    if (!lookout || !ping || !found) {
+        return asdic_fail_null(lookout ? lookout->ctx : NULL, __func__);
+    }
+    bool is_flat = lookout->is_flat;
+    tell(lookout);
+    if (is_flat) {
+        TRY(expect(lookout, ping));
+    }
+    double z_m = ping->pose.position_m.z;
+    asdic_scan_set_sound_speed(lookout->scan,
+                               asdic_environment_sound_speed_mps(&lookout->environment, z_m));
+    TRY(asdic_scan_ping(lookout->scan, ping->parts->intensity_lin[ASDIC_TOTAL],
+                        is_flat ? lookout->total_lin : NULL,
+                        is_flat ? lookout->noise_lin : ping->parts->intensity_lin[ASDIC_NOISE],
                         ping->parts->stderr_db));
-    *found = asdic_scan_get(eye->scan);
+    *found = asdic_scan_get(lookout->scan);
     return ASDIC_OK;
 }
 
-void asdic_eye_close(asdic_eye *eye) {
-    asdic_loop_destroy(&eye->loop);
+void asdic_lookout_finish(asdic_lookout *lookout) {
+    asdic_scan_destroy(&lookout->scan);
+    forget_places(lookout);
+    asdic_ring_shelf_destroy(&lookout->shelf);
+    asdic_ping_destroy(&lookout->scratch);
+    free((asdic_beam *)lookout->sonar.receivers);
+    lookout->sonar.receivers = NULL;
+    free(lookout->total_lin);
+    lookout->total_lin = NULL;
 }
 
-void asdic_eye_finish(asdic_eye *eye) {
-    asdic_eye_close(eye);
-    asdic_scan_destroy(&eye->scan);
-    forget_places(eye);
-    asdic_ring_shelf_destroy(&eye->shelf);
-    asdic_ping_destroy(&eye->scratch);
-    free((asdic_beam *)eye->sonar.receivers);
-    eye->sonar.receivers = NULL;
-    free(eye->total_lin);
-    eye->total_lin = NULL;
+asdic_status asdic_lookout_create(asdic_context *ctx, const asdic_mission *mission, size_t bins,
+                                  asdic_lookout **out) {
+    if (!ASDIC_PLACE(out) || !mission || bins == 0) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "%s: a mission and bins are needed", __func__);
+    }
+    asdic_lookout *lookout = calloc(1, sizeof *lookout);
+    if (!lookout) {
+        return asdic_fail_memory(ctx, "a lookout");
+    }
+    lookout->ctx = ctx;
+    lookout->tells = true;
+    asdic_status status = asdic_lookout_open(lookout, mission, bins, INFINITY);
+    if (status) {
+        asdic_lookout_destroy(&lookout);
+        return status;
+    }
+    *out = lookout;
+    return ASDIC_OK;
+}
+
+void asdic_lookout_destroy(asdic_lookout **lookout) {
+    if (lookout && *lookout) {
+        asdic_lookout_finish(*lookout);
+        free(*lookout);
+        *lookout = NULL;
+    }
 }

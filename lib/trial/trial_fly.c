@@ -182,7 +182,7 @@ static asdic_status work_all(fleet *f) {
         worker *w = &workers[i];
         w->fleet = f;
         w->number = i;
-        w->eye.ctx = f->ctx;
+        w->eye.lookout.ctx = f->ctx;
         w->eye.device = f->devices ? f->devices[i] : NULL;
         w->has_thread = i > 0 && pthread_create(&w->thread, NULL, work, w) == 0;
     }
@@ -201,32 +201,19 @@ static asdic_status work_all(fleet *f) {
 /* --- what is flown ----------------------------------------------------------------------------- */
 
 /* What makes figures other than they seem; of several variants each is told once. */
-enum { MEANS, SPIKES, MIRRORS, WARNINGS };
+typedef struct remarks {
+    bool means, lookout[ASDIC_LOOKOUT_WARNINGS];
+} remarks;
 
-static void warn(asdic_context *ctx, bool is_wrong, bool *told, const char *words) {
-    if (is_wrong && !*told) {
-        asdic_log(ctx, ASDIC_LOG_WARNING, "%s", words);
-        *told = true;
+static void warn_of(asdic_context *ctx, const asdic_mission *m, remarks *told) {
+    if (m->settings.sonar.speckle == ASDIC_SPECKLE_NONE && !m->settings.sampling.coherent &&
+        !told->means) {
+        asdic_log(ctx, ASDIC_LOG_WARNING,
+                  "the trial's scene has 'speckle: none': levels are means, of which none is a "
+                  "false alarm by chance; 'speckle: rayleigh' draws them");
+        told->means = true;
     }
-}
-
-static void warn_of(asdic_context *ctx, const asdic_mission *m, bool told[WARNINGS]) {
-    asdic_scene_info scene = asdic_scene_get_info(m->scene);
-    const asdic_settings *s = &m->settings;
-    bool has_mirror = scene.has_surface || scene.has_bottom_plane;
-    bool is_flat = asdic_eye_background(m) == ASDIC_TRIAL_FLAT;
-    bool is_mean = s->sonar.speckle == ASDIC_SPECKLE_NONE && !s->sampling.coherent;
-    bool is_spiky = s->sonar.speckle == ASDIC_SPECKLE_K && !is_flat;
-    bool mirrors = s->sampling.multipath == ASDIC_MULTIPATH_BOUNDARIES && has_mirror && is_flat;
-    warn(ctx, is_mean, &told[MEANS],
-         "the trial's scene has 'speckle: none': levels are means, of which none is a false alarm "
-         "by chance; 'speckle: rayleigh' draws them");
-    warn(ctx, is_spiky && isnan(s->detector.cost_ratio), &told[SPIKES],
-         "the trial's thresholds are those of CFAR in Rayleigh speckle; K speckle exceeds them "
-         "more often than P_FA says");
-    warn(ctx, mirrors, &told[MIRRORS],
-         "the trial's detector expects no echoes that surface and bottom mirror ('multipath: "
-         "boundaries') and takes them for targets");
+    asdic_lookout_warn(ctx, m, told->lookout);
 }
 
 /* The hash of each variant: of its run 0, with what that includes, and of its section `trial`; and of all files
@@ -234,7 +221,7 @@ static void warn_of(asdic_context *ctx, const asdic_mission *m, bool told[WARNIN
 static asdic_status describe(asdic_context *ctx, const asdic_trial_options *o, trial_facts *facts,
                              asdic_text *header, bool *is_ideal, char scene_hash[65]) {
     asdic_text all = {0};
-    bool told[WARNINGS] = {false};
+    remarks told = {false};
     char *name = asdic_scene_name(o->scene);
     asdic_status status = name ? ASDIC_OK : asdic_fail_memory(ctx, "a name");
     *facts = (trial_facts){.seed = o->seed,
@@ -261,7 +248,7 @@ static asdic_status describe(asdic_context *ctx, const asdic_trial_options *o, t
             asdic_text_format(&all, "%s %s %s %s\n", asdic_mission_hash(mission),
                               mission->trial_hash, key, value);
             if (!is_blind) {
-                warn_of(ctx, mission, told);
+                warn_of(ctx, mission, &told);
             }
             if (v == 0) {
                 memcpy(scene_hash, mission->file_hash, sizeof mission->file_hash);

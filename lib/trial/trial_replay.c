@@ -153,7 +153,7 @@ asdic_status asdic_trial_replay(asdic_context *ctx, asdic_device *device,
     }
     asdic_mission *mission = NULL;
     asdic_track *track = calloc(1, sizeof *track);
-    asdic_eye eye = {.ctx = ctx, .device = device};
+    asdic_eye eye = {.device = device, .lookout.ctx = ctx};
     char why[ASDIC_TRIAL_WHY];
     char *scene = asdic_trial_path(folder, "scene.yaml");
     char *poses = asdic_trial_path(folder, "track.csv");

@@ -7,6 +7,7 @@ import math
 import os
 import pathlib
 import struct
+import sys
 
 import program
 import tap
@@ -259,6 +260,21 @@ def test_speckle_that_stays_counts_once():
             tap.equal((bins & {0, 9}, bins != set()), (set(), True), "bins with a pulse's edge")
         mean = sum(each["value"] for each in found) / len(found)
         tap.equal([each for each in found if not each["low"] < mean < each["high"]], [], f"bounds that miss {mean}")
+
+
+def test_a_trial_decides_nothing_beside_loud_bins():
+    """What is told to a rule, as in detections of a run: no bin that holds a pulse's edge, which nine pings of ten had."""
+    need_device()
+    flown = AT_REST.replace("mission: {pose: {position_m: [0, 0, 7]}, pings: 20}",
+                            "mission: {waypoints: {points_m: [[0, 0, 7], [60, 0, 7]], speed_mps: 1.5}}")
+    flown = flown.replace("sonar: {", "sonar: {ping_rate_hz: 2, ") + "trial: {time_s: 10}\n"
+    with Folder() as folder:
+        folder.write("flown.yaml", flown)
+        rule = f"exec {sys.executable} -u -c 'for line in open(0): print(\"{{}}\"); print(line, file=open(\"heard\", \"a\"), end=\"\")'"
+        asdic("trial", "flown.yaml", "--runs", 1, "--rule", rule, "-o", "out", "-q", cwd=folder.path).check(code=0)
+        pings = [json.loads(line) for line in folder.read("heard").splitlines()]
+        bins = {int(d["range_m"] / 0.5) for ping in pings for d in ping["detections"]}
+        tap.equal((len(pings), bins & {0, 9}, bins != set()), (20, set(), True), "bins with a pulse's edge")
 
 
 def test_intensities_of_thin_elements_are_those_of_the_array():

@@ -156,6 +156,13 @@ def test_a_message_is_made_for_who_subscribes_alone():
             loud, others = brightest(folder, 0), brightest(folder, 1)
         print(f"# brightest: {own} in its own window, {loud} near the bottom and {others} in its window")
         tap.equal(own > others + 100, True, "the window is of the first picture that somebody has")
+        # That bins are held against their neighbours is told when the first ping's are.
+        folder.write("flat.asc", "ncols 2\nnrows 2\nxllcorner -200\nyllcorner -200\ncellsize 200\n12 12\n12 12\n")
+        with Server(folder, SCENE.replace("depth_m: 12", "grid: flat.asc"), "--detect") as server:
+            for topics, is_heard in (("sonar", False), ("sonar,image,detections", True)):
+                got = peer(server, folder, [far], topics=topics)
+                tap.equal(("detections" in {m.get("topic") for m in got}, "their neighbours" in server.said),
+                          (is_heard, is_heard), server.said)
 
 
 def test_a_scans_picture_has_what_nobody_heard():

@@ -138,7 +138,7 @@ static void an_eye_sees_what_a_new_one_would(void **state) {
         {"{depth_m: 12, type: rock}", loud, TWO, "", 12.0, ASDIC_TRIAL_AUTO, FLAT},
         {flat, loud, TWO, "surface: {enabled: false}", 12.0, ASDIC_TRIAL_AUTO, FLAT},
         {flat, loud, TWO, "", 12.0, ASDIC_TRIAL_AUTO, FLAT}};
-    eye = (asdic_eye){.ctx = t.ctx, .device = t.device};
+    eye = (asdic_eye){.device = t.device, .lookout.ctx = t.ctx};
     for (size_t i = 0; i < sizeof sights / sizeof *sights; i++) {
         asdic_mission *m = load(&sights[i]);
         assert_ok(t.ctx, asdic_eye_open(&eye, m, DEPTH_M, sights[i].reach_m));
@@ -176,7 +176,7 @@ static void places_are_on_a_grid(void **state) {
     const sight s = {
         "{depth_m: 12, type: sand}", "source_level_db: 200", TWO, "", 12.0, ASDIC_TRIAL_AUTO, FLAT};
     asdic_mission *m = load(&s);
-    eye = (asdic_eye){.ctx = t.ctx, .device = t.device};
+    eye = (asdic_eye){.device = t.device, .lookout.ctx = t.ctx};
     assert_ok(t.ctx, asdic_eye_open(&eye, m, DEPTH_M, s.reach_m));
     asdic_pose pose = {.position_m = {0, 0, DEPTH_M}};
     asdic_loop_ping ping;
@@ -208,7 +208,7 @@ static void compare_turned(const sight *s, size_t least) {
                                            {3.03, 2.96}, {-5.04, 0.03}, {-2.97, -4.04}};
     asdic_mission *m = load(s);
     const asdic_sonar *sonar = asdic_mission_sonar(m);
-    eye = (asdic_eye){.ctx = t.ctx, .device = t.device};
+    eye = (asdic_eye){.device = t.device, .lookout.ctx = t.ctx};
     assert_ok(t.ctx, asdic_eye_open(&eye, m, DEPTH_M, s->reach_m));
     for (size_t i = 0; i < sizeof turned_deg / sizeof *turned_deg; i++) {
         const asdic_pose pose = {.position_m = {0, 0, DEPTH_M},

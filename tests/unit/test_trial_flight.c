@@ -142,13 +142,13 @@ asdic_status __wrap_asdic_trial_run_one(asdic_eye *eye, const asdic_trial_job *j
             wait_ms(10);
         }
         wait_ms(200); /* until that is known */
-        return asdic_fail(eye->ctx, ASDIC_ERROR_DEVICE, "the second");
+        return asdic_fail(eye->lookout.ctx, ASDIC_ERROR_DEVICE, "the second");
     }
     for (int i = 0; i < 100 && !second_began; i++) { /* never on one processor */
         wait_ms(10);
     }
     first_fails = true;
-    return asdic_fail(eye->ctx, ASDIC_ERROR_INPUT, "the first");
+    return asdic_fail(eye->lookout.ctx, ASDIC_ERROR_INPUT, "the first");
 }
 
 static asdic_trial_options two_runs(const char scene[], const char whole[]) {

@@ -24,6 +24,7 @@
 #include <asdic/environment.h>
 #include <asdic/expected.h>
 #include <asdic/law.h>
+#include <asdic/lookout.h>
 #include <asdic/loop.h>
 #include <asdic/mesh.h>
 #include <asdic/mission.h>
