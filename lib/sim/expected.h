@@ -38,9 +38,9 @@ asdic_expected_place asdic_expected_place_on_grid(const asdic_flat_scene *flat,
 
 /* As asdic_expected_compute, for many places, to 0.01 dB: SHELF keeps the profiles of beams and
  * attitudes that come again, for which the wavelength is the nearest of a row that rises by
- * 2^(1/4096); rays that bend are fewer. With a STEP_RAD > 0 attitudes for which there are profiles
- * are so far apart, and a beam's is moved by what its elevation differs from theirs, but not where
- * it looks steeply up or down. */
+ * 2^(1/4096); rays that bend are fewer, and a bin over which a pattern hardly turns has three nodes.
+ * With a STEP_RAD > 0 attitudes for which there are profiles are so far apart, and a beam's is moved
+ * by what its elevation differs from theirs, but not where it looks steeply up or down. */
 asdic_status asdic_expected_compute_among(asdic_context *ctx, asdic_ring_shelf *shelf,
                                           const asdic_expected_place *place, double step_rad,
                                           const asdic_environment *env, const asdic_sonar *sonar,
