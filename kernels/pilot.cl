@@ -77,7 +77,8 @@ __kernel void pilot(__global const dev_ping *ping, __global const dev_ray *rays,
     triple arriving = ray_direction(&r, m.t);
     real range = ray_range(&r, m.t);
     slant met = surface_slant(&m, arriving);
-    real echo = strength(&w, &laws, met, ray_spread(&r, m.t)) / grazing(&m, arriving);
+    real sin_grazing = r_max(grazing(&m, arriving), ray_least_grazing(&r));
+    real echo = strength(&w, &laws, met, ray_spread(&r, m.t)) / sin_grazing;
     echo *= ray_bending(&r, m.t, range, (real)(-2.0f * ping->absorption_np_per_m));
     mask heard = (m.kind != DEV_KIND_NONE) & (range >= (real)(ping->blanking_m));
     echo = choose(heard, echo, R(0.0));

@@ -174,6 +174,17 @@ FORMULA triple ray_back(const ray *r, real t) {
 
 /* ---- Horizontal planes ---- */
 
+/* What the sine of a ray's grazing angle counts as at least, where rounding tells no less. */
+FORMULA real ray_least_grazing(const ray *r) {
+    (void)r;
+    return R(0.0);
+}
+
+/* Sine with which a ray surely turns before a plane that one with SINE just meets. */
+FORMULA real ray_short_of(real sine) {
+    return sine;
+}
+
 /* T at which a ray with sine DOWN of its elevation meets a plane HEIGHT below its start; INFINITY: never.
  * BEND, here and below, is as seen from the start; for a plane above, DOWN and BEND change their signs. */
 FORMULA real ray_to_plane(real height, real down, real bend) {

@@ -238,6 +238,20 @@ FORMULA triple ray_back(const ray *r, real t) {
 
 /* ---- Horizontal planes ---- */
 
+/* Of a ray that bends away from a plane the sine of the grazing angle is the root of a small difference, which
+ * single precision does not know below this share of the sine at the start. Weight and density of such rays are
+ * both held there, so that a ray that was drawn by ray_plane_density counts as much as its neighbours; one that
+ * turns before the plane by no more than that meets it. */
+#define RAY_GRAZE 1e-3f
+
+FORMULA real ray_least_grazing(const ray *r) {
+    return (real)(RAY_GRAZE)*r_abs(r->u.z);
+}
+
+FORMULA real ray_short_of(real sine) {
+    return sine - (real)(RAY_GRAZE * RAY_GRAZE) * r_abs(sine);
+}
+
 /* With depth down for planes below; for planes above the caller turns the signs of DOWN and BEND. */
 
 /* The nearer root of b m^2 T^2 / 2 - T u_z + h (1 + b h / 2) = 0, where both are not behind. A plane beyond that of
@@ -252,7 +266,8 @@ FORMULA real ray_to_plane(real height, real down, real bend) {
     real direct = R(2.0) * w / r_max(down + grazing, (real)(RAY_LEVEL));
     real turned = (down - grazing) / r_min(curl, (real)(-RAY_LEVEL));
     real t = choose(down > R(0.0), direct, turned);
-    mask meets = (grazing2 >= R(0.0)) & ((down > R(0.0)) | (curl < (real)(-RAY_LEVEL)));
+    real rounded = (real)(-RAY_GRAZE * RAY_GRAZE) * down * down;
+    mask meets = (grazing2 >= rounded) & ((down > R(0.0)) | (curl < (real)(-RAY_LEVEL)));
     meets &= R(1.0) + bend * height > R(0.0);
     return choose(meets, t, (real)(INFINITY));
 }
@@ -279,10 +294,11 @@ FORMULA real ray_plane_range(real height, real sine, real bend) {
 FORMULA real ray_plane_density(real share, real range, real height, real near, real far,
                                real bend) {
     real x = bend * range, v = x * x, sinh_x = bent_sinh(v), cosh_half = bent_cosh(R(0.25) * v);
+    real over = R(1.0) / (bent_plane_speed(height, bend) * range * sinh_x); /* slope by grazing */
     real slope =
-        height * bent_cosh(v) / (bent_plane_speed(height, bend) * range * range * sinh_x * sinh_x) -
-        R(0.5) * bend / (cosh_half * cosh_half);
-    return share / (r_max(r_abs(slope), R(1e-9)) * (far - near));
+        height * bent_cosh(v) * over / (range * sinh_x) - R(0.5) * bend / (cosh_half * cosh_half);
+    real least = (real)(RAY_GRAZE)*over * r_abs(ray_plane_sine(height, range, bend));
+    return share / (r_max(r_abs(slope), least) * (far - near));
 }
 
 /* A nudge keeps rounding from crossing a bin's edge that lies there. */

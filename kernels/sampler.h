@@ -249,6 +249,7 @@ FORMULA elevation elevation_of_x(LOBE_SPACE const dev_ping *ping, real x) {
     /* Gap. */
     elevation e;
     e.uz = z.high - part[2] * (z.high - z.low);
+    e.uz = r_max(r_min(e.uz, ray_short_of(z.high)), -ray_short_of(-z.low));
     e.density = z.share[2] / (z.high - z.low);
     /* Bottom and surface. */
     real db = z.h1 + part[1] * (z.far - z.h1), ds = z.fars - part[3] * (z.fars - z.hs1);

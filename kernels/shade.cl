@@ -90,7 +90,7 @@ static uint shade_rays(const world *w, const ray_store *store, const sink *to,
         store->splats[slot + lane] = AT(range, float);
     }
 #endif
-    real sin_grazing = grazing(&m, arriving);
+    real sin_grazing = r_max(grazing(&m, arriving), ray_least_grazing(&r));
     real footprint = ray_footprint(&r, m.t, splat, m.facet, sin_grazing);
     footprint = held_footprint(ping, &m, footprint, sin_grazing);
     law_lanes laws = laws_met(w, &m);

@@ -35,9 +35,9 @@ static bool surface_counts(const asdic_simulator *sim) {
             asdic_simulator_boundaries_mirror(sim));
 }
 
-/* The zones end where rays that bend away from a plane graze it with this sine, and leave a gap of this sine
- * between them. */
-#define GRAZE 1e-5
+/* The zones end where rays that bend away from a plane graze it, with this sine where double precision still has one,
+ * and leave a gap of GAP's sine between them. */
+#define GRAZE 1e-6
 #define GAP 0.005
 
 /* The range up to which rays meet a plane HEIGHT below the sonar, or above it with BEND the other way. */

@@ -58,6 +58,51 @@ static void high_and_low_sonars_meet_quadrature(void **state) {
     }
 }
 
+/* The last bin that a plane's echo fills to a tenth at least, where rays that bend away graze it. */
+static size_t end_of_reach(const asdic_ping *truth, asdic_component c) {
+    size_t last = truth->bins - 1;
+    while (truth->intensity_lin[c][last] < 0.1 * truth->intensity_lin[c][last - 1] ||
+           truth->intensity_lin[c][last - 1] <= 0.0) {
+        last--;
+    }
+    return last;
+}
+
+/* The sine of a grazing angle there is a small difference of what is rounded. */
+static void reaches_end_as_loud_as_expected(void **state) {
+    static const struct {
+        double depth_m, gradient_per_s;
+        asdic_component plane;
+    } cases[] = {
+        {11.0, 4.0, ASDIC_BOTTOM},  {11.0, 13.0, ASDIC_BOTTOM},  {9.0, 4.0, ASDIC_BOTTOM},
+        {1.0, -4.0, ASDIC_SURFACE}, {1.0, -13.0, ASDIC_SURFACE}, {3.0, -8.0, ASDIC_SURFACE},
+    };
+    enum { PINGS = 8 };
+    (void)state;
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        ping_rig r = bent_rig(cases[k].gradient_per_s, 16384u);
+        r.pose.position_m.z = cases[k].depth_m;
+        double most_db = 0.0, mean = 0.0;
+        size_t last = 0;
+        for (uint64_t i = 0; i < PINGS; i++) {
+            asdic_ping *ping = rig_shoot(&r, ASDIC_LEARN_BLOCK * i, true),
+                       *truth = expected(&r, ping);
+            last = end_of_reach(truth, cases[k].plane);
+            double ratio = ping->intensity_lin[cases[k].plane][last] /
+                           truth->intensity_lin[cases[k].plane][last];
+            most_db = fmax(most_db, fabs(asdic_level_db(ratio)));
+            mean += ratio / PINGS;
+            asdic_ping_destroy(&truth);
+            asdic_ping_destroy(&ping);
+        }
+        print_message(
+            "at %4.1f m, %5.1f 1/s: the reach ends in bin %zu, mean %+.3f dB, most %.3f\n",
+            cases[k].depth_m, cases[k].gradient_per_s, last, asdic_level_db(mean), most_db);
+        assert_true(fabs(asdic_level_db(mean)) < 0.06 && most_db < 0.2);
+        rig_destroy(&r);
+    }
+}
+
 static void stated_errors_are_honest(void **state) {
     enum { BLOCKS = 12, PINGS = 4 };
     (void)state;
@@ -688,6 +733,7 @@ int main(int argc, char **argv) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(pings_meet_quadrature),
         cmocka_unit_test(high_and_low_sonars_meet_quadrature),
+        cmocka_unit_test(reaches_end_as_loud_as_expected),
         cmocka_unit_test(stated_errors_are_honest),
         cmocka_unit_test(no_gradient_is_straight),
         cmocka_unit_test(large_triangles_are_a_plane),
