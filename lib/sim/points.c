@@ -4,6 +4,7 @@
 #include "base/try.h"
 #include "base/vec.h"
 #include "eigenray.h"
+#include "passage.h"
 #include "ring.h"
 #include "scene/scene.h"
 #include "sonar_ray.h"
@@ -71,12 +72,6 @@ static void add_ray(asdic_point_rays *p, triple origin, triple along, double t_m
 
 /* ---- One layer, or none ---- */
 
-/* Whether Z lies in the water; a sonar out of it sees nothing of what is in it, and the reverse. */
-static bool in_water(const asdic_scene *scene, double z) {
-    return !(scene->has_surface && z < 0.0) &&
-           !(scene->has_bottom_plane && z > scene->bottom_plane_depth_m);
-}
-
 /* How far a ray may pass beyond a plane, m: points that lie in one are rounded. */
 #define BEYOND_PLANE 1e-3
 
@@ -113,15 +108,6 @@ static asdic_status add_path(asdic_simulator *sim, size_t nth, const asdic_ping_
 
 /* ---- Layers, and planes that mirror ---- */
 
-/* The water that rays meet on their way to a point, and the planes between which they keep. By way of a plane that
- * mirrors, they go on in its image: to the point's image, with nothing but the layers in their way. */
-typedef struct passage {
-    asdic_path by;
-    const asdic_scatterer *mirror; /* NULL: none */
-    double plane_m, top_m, bottom_m;
-    asdic_layers layers;
-} passage;
-
 /* The frame of layer NUMBER's triangles (scene/lifted.h). */
 static ray_medium medium_of(const asdic_simulator *sim, size_t number, double *shift_m) {
     bool one = sim->setup.layer_count == 0;
@@ -130,12 +116,12 @@ static ray_medium medium_of(const asdic_simulator *sim, size_t number, double *s
 }
 
 /* Where a ray Z_M deep in LAYER is in the water. */
-static double fold(const passage *p, const asdic_layer *layer, double z_m) {
+static double fold(const asdic_passage *p, const asdic_layer *layer, double z_m) {
     return layer->image ? 2.0 * p->plane_m - z_m : z_m;
 }
 
 /* LEGS of EIGENRAY in the direction LEVEL, COUNT of them, each as its layer's triangles see it. */
-static void add_legs(asdic_simulator *sim, const passage *p, const asdic_vec3 *from_m,
+static void add_legs(asdic_simulator *sim, const asdic_passage *p, const asdic_vec3 *from_m,
                      const asdic_vec3 *level, const asdic_eigenray *eigenray,
                      const asdic_eigenray_leg *legs, size_t count) {
     asdic_vec3 at = asdic_vec3_sub(*from_m, sim->placement->origin_m);
@@ -158,7 +144,8 @@ static void add_legs(asdic_simulator *sim, const passage *p, const asdic_vec3 *f
 }
 
 /* How often a ray of LEGS meets the plane that mirrors. */
-static int bounces(const passage *p, double from_m, const asdic_eigenray_leg *legs, size_t count) {
+static int bounces(const asdic_passage *p, double from_m, const asdic_eigenray_leg *legs,
+                   size_t count) {
     int met = from_m == p->plane_m;
     for (size_t i = 0; i < count; i++) {
         bool last = i + 1 == count;
@@ -169,7 +156,7 @@ static int bounces(const passage *p, double from_m, const asdic_eigenray_leg *le
 }
 
 /* The share of the energy that the plane sends on. */
-static double mirrored(const passage *p, const asdic_eigenray *found) {
+static double mirrored(const asdic_passage *p, const asdic_eigenray *found) {
     const asdic_layers *layers = &p->layers;
     const asdic_layer *layer = &layers->layer[asdic_layers_find(layers, p->plane_m)];
     double cosine = found->end.level_spm * asdic_layer_speed_mps(layer, p->plane_m);
@@ -177,15 +164,15 @@ static double mirrored(const passage *p, const asdic_eigenray *found) {
                                               sqrt(fmax((1.0 - cosine) * (1.0 + cosine), 0.0)));
 }
 
-static asdic_status add_eigenrays(asdic_simulator *sim, const passage *p, size_t nth,
+static asdic_status add_eigenrays(asdic_simulator *sim, const asdic_passage *p, size_t nth,
                                   const asdic_ping_shot *shot) {
     const asdic_vec3 from = shot->pose.position_m, to = sim->placement->points[nth].position_m;
     double x = to.x - from.x, y = to.y - from.y, across = hypot(x, y);
     asdic_vec3 level = {across > 0.0 ? x / across : 1.0, across > 0.0 ? y / across : 0.0, 0.0};
-    double to_m = p->mirror ? 2.0 * p->plane_m - to.z : to.z;
     double minus_2k = -2.0 * shot->water.absorption_np_per_m;
     asdic_eigenray rays[ASDIC_MOST_EIGENRAYS];
-    size_t count = asdic_eigenrays_find(&p->layers, from.z, to_m, across, rays);
+    size_t count =
+        asdic_eigenrays_find(&p->layers, from.z, asdic_passage_depth_m(p, to.z), across, rays);
     for (size_t i = 0; i < count; i++) {
         const asdic_eigenray *found = &rays[i];
         double range = shot->water.sound_speed_mps * found->end.time_s;
@@ -215,42 +202,14 @@ static asdic_status add_eigenrays(asdic_simulator *sim, const passage *p, size_t
 
 /* ---- All ways ---- */
 
-/* Straight to points, by way of the surface and by way of the bottom: to WAYS; how many there are. */
-static size_t passages(const asdic_simulator *sim, const asdic_ping_shot *shot, passage ways[3]) {
-    const asdic_scene *scene = sim->setup.scene;
-    double from_m = shot->pose.position_m.z, bottom_m = scene->bottom_plane_depth_m;
-    passage *direct = &ways[0];
-    size_t count = 1;
-    *direct = (passage){
-        .by = ASDIC_PATH_DIRECT,
-        .top_m = scene->has_surface ? fmin(0.0, from_m) : -INFINITY,
-        .bottom_m = scene->has_bottom_plane ? fmax(bottom_m, from_m) : INFINITY,
-    };
-    asdic_layers_of(&sim->setup.env, from_m, &direct->layers);
-    for (int below = 0; below < 2 && in_water(scene, from_m); below++) {
-        passage *way = &ways[count];
-        *way = (passage){.by = below ? ASDIC_PATH_BY_BOTTOM : ASDIC_PATH_BY_SURFACE,
-                         .mirror = asdic_simulator_mirror(sim, below),
-                         .plane_m = below ? bottom_m : 0.0,
-                         .top_m = direct->top_m,
-                         .bottom_m = direct->bottom_m};
-        if (way->mirror) {
-            *(below ? &way->bottom_m : &way->top_m) =
-                2.0 * way->plane_m - (below ? way->top_m : way->bottom_m);
-            asdic_layers_mirror(&direct->layers, way->plane_m, !below, &way->layers);
-            count++;
-        }
-    }
-    return count;
-}
-
 static asdic_status find_paths(asdic_simulator *sim, const asdic_ping_shot *shot) {
-    passage ways[3];
-    size_t count = passages(sim, shot, ways);
-    bool wet = in_water(sim->setup.scene, shot->pose.position_m.z);
+    asdic_passage ways[ASDIC_MOST_PASSAGES];
+    size_t count = asdic_passages_find(sim, shot->pose.position_m.z, ways);
+    bool wet = asdic_passage_in_water(sim->setup.scene, shot->pose.position_m.z);
     sim->points.path_count = sim->points.ray_count = 0;
     for (size_t i = 0; i < sim->setup.scene->point_count; i++) {
-        if (in_water(sim->setup.scene, sim->placement->points[i].position_m.z) != wet) {
+        double z_m = sim->placement->points[i].position_m.z;
+        if (asdic_passage_in_water(sim->setup.scene, z_m) != wet) {
             continue;
         }
         for (size_t k = 0; k < count; k++) {

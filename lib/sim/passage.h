@@ -1,0 +1,34 @@
+/*
+ * The ways that sound may take between the sonar and what lies in the water: straight, and by way
+ * of planes that mirror.
+ */
+#ifndef ASDIC_SIM_PASSAGE_H
+#define ASDIC_SIM_PASSAGE_H
+
+#include "layers.h"
+#include "simulator.h"
+
+/* The water that rays meet on their way, and the planes between which they keep. By way of a plane
+ * that mirrors, they go on in its image: to the image of where they end, with nothing but the
+ * layers in their way. */
+typedef struct asdic_passage {
+    asdic_path by;
+    const asdic_scatterer *mirror; /* NULL: none */
+    double plane_m, top_m, bottom_m;
+    asdic_layers layers;
+} asdic_passage;
+
+#define ASDIC_MOST_PASSAGES 3
+
+/* Whether Z lies in the water; a sonar out of it sees nothing of what is in it, and the reverse. */
+bool asdic_passage_in_water(const asdic_scene *scene, double z_m);
+
+/* From a sonar FROM_M deep: straight first, then by way of the surface and by way of the bottom
+ * plane, where they mirror; returns how many. */
+size_t asdic_passages_find(const asdic_simulator *sim, double from_m,
+                           asdic_passage ways[ASDIC_MOST_PASSAGES]);
+
+/* How deep what lies Z_M deep is for rays that take WAY. */
+double asdic_passage_depth_m(const asdic_passage *way, double z_m);
+
+#endif
