@@ -2,6 +2,7 @@
 
 #include "aim.h"
 #include "base/vec.h"
+#include "eigenray.h"
 #include "sonar_ray.h"
 
 #include <math.h>
@@ -23,6 +24,7 @@ typedef struct candidate {
     asdic_vec3 towards; /* unit */
     double sine, score;
     size_t part;
+    const asdic_passage *way;
 } candidate;
 
 /* What is seen, and from where. */
@@ -32,6 +34,7 @@ typedef struct outlook {
     asdic_vec3 position_m;
     const dev_beam *beams;
     const dev_ping *ping;
+    bool layered;
 } outlook;
 
 static double along(const float *row, asdic_vec3 u) {
@@ -62,11 +65,11 @@ static double slope_at(const ray_way *way) {
 
 /* Sets the legs to and from a mirror on the way to what lies APART from the sonar; false: they are on different sides
  * of it. Sharing the level distance out as the legs' slopes demand finds where both are the same. */
-static bool find_legs(const dev_ping *ping, const asdic_cone_mirror *mirror, asdic_vec3 from_m,
+static bool find_legs(const dev_ping *ping, const asdic_passage *mirror, asdic_vec3 from_m,
                       asdic_vec3 apart, ray_way legs[2]) {
     const ray_medium water = {asdic_sonar_bend(ping), 1.0};
     const triple to = {apart.x, apart.y, apart.z};
-    double down = mirror->depth_m - from_m.z, rest = down - apart.z, near = down / (down + rest);
+    double down = mirror->plane_m - from_m.z, rest = down - apart.z, near = down / (down + rest);
     if (!(down * rest > 0.0)) {
         return false;
     }
@@ -81,9 +84,9 @@ static bool find_legs(const dev_ping *ping, const asdic_cone_mirror *mirror, asd
 }
 
 /* PART's image in MIRROR. The louder of its echoes is that out over the mirror and straight home, or the reverse. */
-static bool consider_image(const asdic_part *part, const outlook *o,
-                           const asdic_cone_mirror *mirror, const candidate *direct, double radius,
-                           double distance, candidate *out) {
+static bool consider_image(const asdic_part *part, const outlook *o, const asdic_passage *mirror,
+                           const candidate *direct, double radius, double distance,
+                           candidate *out) {
     ray_way legs[2];
     asdic_vec3 apart = asdic_vec3_sub(part->center_m, o->position_m);
     if (!find_legs(o->ping, mirror, o->position_m, apart, legs)) {
@@ -91,7 +94,7 @@ static bool consider_image(const asdic_part *part, const outlook *o,
     }
     double detour = legs[0].t + legs[1].t, slope = slope_at(&legs[0]);
     double share =
-        mirror->plane->material.law->reflected(mirror->plane, slope / sqrt(1.0 + slope * slope));
+        mirror->mirror->material.law->reflected(mirror->mirror, slope / sqrt(1.0 + slope * slope));
     if (share < DEV_MIN_MIRROR || radius > WIDEST * detour ||
         0.5 * (detour + distance) - radius > o->ping->range_m) {
         return false;
@@ -102,7 +105,7 @@ static bool consider_image(const asdic_part *part, const outlook *o,
 }
 
 /* PART, or its image in MIRROR. False if it needs no cone, or none of it can be heard. */
-static bool consider(const asdic_part *part, const outlook *o, const asdic_cone_mirror *mirror,
+static bool consider(const asdic_part *part, const outlook *o, const asdic_passage *mirror,
                      candidate *out) {
     ray_way to = asdic_sonar_ray(o->ping, asdic_vec3_sub(part->center_m, o->position_m), 0.0);
     double distance = to.t;
@@ -117,16 +120,16 @@ static bool consider(const asdic_part *part, const outlook *o, const asdic_cone_
                   : radius <= WIDEST * distance && direct.score > 0.0;
 }
 
-/* Adds to BEST, of COUNT, what is seen straight or by way of MIRROR: the loudest, loudest first; of equals the first in
- * the scene. */
-static void pick(const outlook *o, const asdic_cone_mirror *mirror, candidate *best,
-                 unsigned *count) {
+/* Adds to BEST, of COUNT, what is seen by WAY, or straight without one: the loudest, loudest first; of equals the first
+ * in the scene. */
+static void pick(const outlook *o, const asdic_passage *way, candidate *best, unsigned *count) {
     for (size_t i = 0; i < o->part_count; i++) {
         candidate c;
-        if (!consider(&o->parts[i], o, mirror, &c)) {
+        if (!consider(&o->parts[i], o, way && way->mirror ? way : NULL, &c)) {
             continue;
         }
         c.part = i;
+        c.way = way;
         unsigned at = *count < DEV_MAX_CONES ? (*count)++ : DEV_MAX_CONES;
         while (at > 0 && c.score > best[at - 1].score) {
             if (at < DEV_MAX_CONES) {
@@ -144,7 +147,7 @@ unsigned asdic_cones_pick(const asdic_part *parts, size_t part_count, asdic_vec3
                           const dev_beam *beams, const dev_ping *ping, size_t *with_cone) {
     candidate best[DEV_MAX_CONES];
     unsigned count = 0;
-    pick(&(outlook){parts, part_count, position_m, beams, ping}, NULL, best, &count);
+    pick(&(outlook){parts, part_count, position_m, beams, ping, false}, NULL, best, &count);
     for (unsigned c = 0; c < count; c++) {
         with_cone[c] = best[c].part;
     }
@@ -165,8 +168,111 @@ static void fill_rows(asdic_vec3 w, float rows[9]) {
     }
 }
 
+/* ---- Through layers ---- */
+
+/* A tube of rays narrower than this share of its way is taken to be as wide. */
+#define NARROWEST 0.1
+/* Places that are aimed at: a part's top, its middle and its bottom, as seen straight from the sonar. */
+#define LEVELS 3
+#define MOST_AIMS (LEVELS * ASDIC_MOST_EIGENRAYS)
+
+/* A ray to a level of a part: PAD more of elevation would miss it by the part's radius. */
+typedef struct aim {
+    double elevation_rad, pad_rad;
+    unsigned level; /* a bit each */
+} aim;
+
+#define MIDDLE 2u
+#define ALL_LEVELS 7u
+
+/* The rays to PART, ACROSS_M away, by WAY, by elevation; returns how many. */
+static size_t find_aims(const outlook *o, const asdic_passage *way, const asdic_part *part,
+                        double across_m, aim aims[MOST_AIMS]) {
+    double radius = MARGIN * part->radius_m, from_m = o->position_m.z;
+    double middle_m = asdic_passage_depth_m(way, part->center_m.z), down = middle_m - from_m;
+    double scale = radius / fmax(hypot(across_m, down), radius);
+    size_t count = 0;
+    for (int level = 0; level < LEVELS; level++) {
+        double to_m = middle_m + (level - 1) * scale * across_m;
+        double there_m = fmax(across_m - (level - 1) * scale * down, 0.0);
+        asdic_eigenray rays[ASDIC_MOST_EIGENRAYS];
+        size_t ray_count = asdic_eigenrays_find(&way->layers, from_m, to_m, there_m, rays);
+        for (size_t i = 0; i < ray_count; i++) {
+            const asdic_eigenray *found = &rays[i];
+            double width = fmax(fabs(found->end.width_m), NARROWEST * found->end.length_m);
+            if (!asdic_eigenray_keeps_between(&way->layers, from_m, there_m, found, way->top_m,
+                                              way->bottom_m)) {
+                continue;
+            }
+            size_t at = count++;
+            for (; at > 0 && aims[at - 1].elevation_rad > found->elevation_rad; at--) {
+                aims[at] = aims[at - 1];
+            }
+            aims[at] = (aim){found->elevation_rad, radius / width, 1u << level};
+        }
+    }
+    return count;
+}
+
+/* Elevations from the middle of a cone to its edge. */
+typedef struct bundle {
+    double middle_rad, half_rad;
+} bundle;
+
+/* Takes the first of *COUNT AIMS that are one bundle off them. What is seen only in part may be seen up to the next
+ * level: at the edge of a shadow the ray to that is missing. */
+static bundle take_bundle(const aim **aims, size_t *count) {
+    const aim *first = *aims, *last = first, *end = first + *count;
+    double middle = first->elevation_rad;
+    unsigned levels = first->level;
+    while (last + 1 < end &&
+           last[1].elevation_rad - last->elevation_rad < 2.0 * (last[1].pad_rad + last->pad_rad)) {
+        last++;
+        levels |= last->level;
+        middle = last->level == MIDDLE ? last->elevation_rad : middle;
+    }
+    *aims = last + 1;
+    *count = (size_t)(end - *aims);
+    double pad = levels == ALL_LEVELS ? 0.0 : 1.0;
+    double least = first->elevation_rad - pad * first->pad_rad;
+    double most = last->elevation_rad + pad * last->pad_rad;
+    middle = levels == ALL_LEVELS && last - first + 1 == LEVELS ? middle : 0.5 * (least + most);
+    return (bundle){middle, fmin(fmax(most - middle, middle - least), 0.5 * ASDIC_PI)};
+}
+
+/* Adds to OUT, of COUNT, what is seen of BEST by the rays that come to it. */
+static void follow(const outlook *o, const candidate *best, candidate *out, unsigned *count) {
+    const asdic_part *part = &o->parts[best->part];
+    double x = part->center_m.x - o->position_m.x, y = part->center_m.y - o->position_m.y;
+    double across = hypot(x, y), least = fmax(across, 1e-9);
+    aim found[MOST_AIMS];
+    const aim *aims = found;
+    size_t aim_count = find_aims(o, best->way, part, across, found);
+    while (aim_count > 0 && *count < DEV_MAX_CONES) {
+        bundle b = take_bundle(&aims, &aim_count);
+        candidate c = *best;
+        double level = cos(b.middle_rad) / least;
+        c.sine = fmax(sin(b.half_rad), best->sine);
+        c.towards = (asdic_vec3){level * x, level * y, sin(b.middle_rad)};
+        if (c.sine <= WIDEST && score(&c, o, MARGIN * part->radius_m / best->sine) > 0.0) {
+            out[(*count)++] = c;
+        }
+    }
+}
+
+/* ---- Rays ---- */
+
 /* Gives each of COUNT candidates its cone, with rays that the background has had. */
-static void place(const candidate *best, unsigned count, dev_ping *ping) {
+static void place(const outlook *o, const candidate *best, unsigned count, dev_ping *ping) {
+    candidate seen[DEV_MAX_CONES];
+    if (o->layered) {
+        unsigned seen_count = 0;
+        for (unsigned c = 0; c < count; c++) {
+            follow(o, &best[c], seen, &seen_count);
+        }
+        best = seen;
+        count = seen_count;
+    }
     double share = fmin(SHARE_ONE * sqrt(count), SHARE_MOST) / fmax(count, 1.0);
     dev_uint each = (dev_uint)fmax(share * ping->batch.rays, 1.0);
     ping->sampling.background -= count * each;
@@ -183,17 +289,18 @@ static void place(const candidate *best, unsigned count, dev_ping *ping) {
 }
 
 void asdic_cones_place(const asdic_part *parts, size_t part_count, asdic_vec3 position_m,
-                       const dev_beam *beams, const asdic_cone_mirror *mirrors, size_t mirror_count,
+                       const dev_beam *beams, const asdic_passage *ways, size_t way_count,
                        dev_ping *ping) {
-    const outlook o = {parts, part_count, position_m, beams, ping};
+    bool layered = way_count > 0 && ways[0].layers.count > 1;
+    const outlook o = {parts, part_count, position_m, beams, ping, layered};
     candidate best[DEV_MAX_CONES];
     unsigned count = 0;
     ping->sampling.cones = 0;
-    pick(&o, NULL, best, &count);
-    place(best, count, ping);
+    pick(&o, ways, best, &count);
+    place(&o, best, count, ping);
     count = 0;
-    for (size_t m = 0; m < mirror_count; m++) {
-        pick(&o, &mirrors[m], best, &count);
+    for (size_t w = 1; w < way_count; w++) {
+        pick(&o, &ways[w], best, &count);
     }
-    place(best, count, ping);
+    place(&o, best, count, ping);
 }

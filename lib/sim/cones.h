@@ -4,25 +4,18 @@
 #ifndef ASDIC_SIM_CONES_H
 #define ASDIC_SIM_CONES_H
 
-#include "laws/scatterer.h"
-#include "scene/scene.h"
-
-#include "../../kernels/ping_types.h"
-
-/* A level plane in which objects are seen, too. */
-typedef struct asdic_cone_mirror {
-    double depth_m;
-    const asdic_scatterer *plane;
-} asdic_cone_mirror;
+#include "passage.h"
 
 /* The parts, at most DEV_MAX_CONES, that cones are for, to WITH_CONE; returns how many. */
 unsigned asdic_cones_pick(const asdic_part *parts, size_t part_count, asdic_vec3 position_m,
                           const dev_beam *beams, const dev_ping *ping, size_t *with_cone);
 
-/* Gives PING, whose background, range and rear gain are set, its cones, seen from POSITION_M with BEAMS
- * (transmitter first), and takes their rays from the background: at objects, and at their images in MIRRORS. */
+/* Gives PING, whose background, range and rear gain are set, its cones, seen from POSITION_M with
+ * BEAMS (transmitter first), and takes their rays from the background: at objects, and at their
+ * images in planes that mirror, by WAYS (asdic_passages_find; none: straight, through one layer).
+ * Through layers each bundle of rays that comes to an object has a cone, and its shadow none. */
 void asdic_cones_place(const asdic_part *parts, size_t part_count, asdic_vec3 position_m,
-                       const dev_beam *beams, const asdic_cone_mirror *mirrors, size_t mirror_count,
+                       const dev_beam *beams, const asdic_passage *ways, size_t way_count,
                        dev_ping *ping);
 
 #endif

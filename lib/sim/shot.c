@@ -10,6 +10,7 @@
 #include "base/vec.h"
 #include "cones.h"
 #include "deposit_scale.h"
+#include "passage.h"
 #include "scene/scene.h"
 #include "sonar_ray.h"
 
@@ -132,18 +133,10 @@ static void place_faces(const asdic_simulator *sim, dev_ping *ping) {
 
 /* Objects, and their images in planes that mirror. */
 static void place_cones(const asdic_simulator *sim, asdic_ping_shot *shot) {
-    const asdic_scene *scene = sim->setup.scene;
-    asdic_cone_mirror mirrors[2];
-    size_t count = 0;
-    for (int below = 0; below < 2; below++) {
-        const asdic_scatterer *plane = asdic_simulator_mirror(sim, below);
-        if (plane) {
-            mirrors[count++] =
-                (asdic_cone_mirror){below ? scene->bottom_plane_depth_m : 0.0, plane};
-        }
-    }
-    asdic_cones_place(sim->placement->parts, scene->part_count, shot->pose.position_m,
-                      asdic_shot_beams(shot), mirrors, count, shot->ping);
+    asdic_passage ways[ASDIC_MOST_PASSAGES];
+    size_t count = asdic_passages_find(sim, shot->pose.position_m.z, ways);
+    asdic_cones_place(sim->placement->parts, sim->setup.scene->part_count, shot->pose.position_m,
+                      asdic_shot_beams(shot), ways, count, shot->ping);
 }
 
 static dev_uint sampler_code(asdic_sampler sampler) {

@@ -92,6 +92,83 @@ static void cones_agree_with_beam_sampler(void **state) {
     rig_destroy(&r);
 }
 
+/* A ball in open water of layers: sent along the bend of one layer fitted to them, rays would miss it. */
+typedef struct layered_case {
+    double sonar_m, across_m, depth_m;
+    asdic_sound_profile profile;
+} layered_case;
+
+static const layered_case layered_cases[] = {
+    {7.0, 60.0, 9.5, {5, {0.0, 3.0, 6.0, 9.0, 13.0}, {1482.0, 1480.0, 1468.0, 1440.0, 1431.0}}},
+    {4.9, 40.0, 4.8, {3, {0.0, 5.0, 10.0}, {1500.0, 1500.0, 1480.0}}},
+};
+
+static ping_rig layered_rig(const layered_case *c) {
+    ping_rig r = rig_create(&t);
+    asdic_scene_destroy(&r.scene);
+    assert_ok(t.ctx, asdic_scene_create(t.ctx, &r.scene));
+    asdic_scene_set_surface(r.scene, false);
+    r.sampling.left_out = 1u << ASDIC_TERM_VOLUME;
+    r.sonar.receiver_count = 1;
+    r.env.sound_speed_profile = c->profile;
+    r.pose.position_m.z = c->sonar_m;
+    asdic_mesh *mesh = NULL;
+    assert_ok(t.ctx, asdic_mesh_sphere(t.ctx, 0.3, 32, &mesh));
+    asdic_pose pose = {.position_m = {c->across_m, 0.0, c->depth_m}};
+    assert_ok(t.ctx,
+              asdic_scene_add_object(r.scene, "ball", mesh, pose, asdic_material_bottom(2.0)));
+    asdic_mesh_destroy(&mesh);
+    return r;
+}
+
+/* Relative to the ball's own echo, in all bins: of PINGS pings the mean and the root of the mean square of true over
+ * stated errors. */
+typedef struct layered_echo {
+    double mean, least, honesty;
+} layered_echo;
+
+static double echo_of(const asdic_ping *ping, double *error) {
+    double sum = 0.0, square = 0.0;
+    for (size_t n = 0; n < ping->bins; n++) {
+        double e = ping->intensity_lin[ASDIC_OBJECT][n];
+        sum += e;
+        square += pow(e * (double)ping->stderr_db[n] / 4.343, 2.0);
+    }
+    *error = sqrt(square);
+    return sum;
+}
+
+static layered_echo layered_pings(const layered_case *c, uint32_t rays, int pings, double truth) {
+    ping_rig r = layered_rig(c);
+    r.sampling.rays = rays;
+    layered_echo echo = {0.0, INFINITY, 0.0};
+    for (int k = 0; k < pings; k++) {
+        asdic_ping *ping = rig_shoot(&r, ASDIC_LEARN_BLOCK * (uint64_t)k, true);
+        double error, heard = echo_of(ping, &error);
+        echo.mean += heard / pings;
+        echo.least = fmin(echo.least, heard);
+        echo.honesty += pow((heard - truth) / fmax(error, 1e-30), 2.0) / pings;
+        asdic_ping_destroy(&ping);
+    }
+    echo.honesty = sqrt(echo.honesty);
+    rig_destroy(&r);
+    return echo;
+}
+
+static void layers_hide_no_target(void **state) {
+    (void)state;
+    for (size_t k = 0; k < sizeof layered_cases / sizeof *layered_cases; k++) {
+        const layered_case *c = &layered_cases[k];
+        double truth = layered_pings(c, 1u << 19, 2, 1.0).mean;
+        layered_echo few = layered_pings(c, 16384u, 16, truth);
+        print_message("case %zu: mean %.3f dB off, least %.3f of it, true over stated %.2f\n", k,
+                      asdic_level_db(few.mean / truth), few.least / truth, few.honesty);
+        assert_true(truth > 0.0 && few.least > 0.75 * truth);
+        assert_true(fabs(asdic_level_db(few.mean / truth)) < 0.1);
+        assert_true(few.honesty < 1.5);
+    }
+}
+
 /* A ball that fills a beam: rays of its cone are weighed by how dense all others are there, which the beam makes
  * uneven. A sampler without cones hears the same. */
 static void near_objects_are_as_loud_as_they_are(void **state) {
@@ -241,6 +318,42 @@ static void near_objects_have_cones(void **state) {
     free(ping);
 }
 
+/* Of a ball that lies as deep in a sound channel as the sonar rays show several bundles, each with its cone; none comes to
+ * one in the shadow above a thermocline's knee. */
+static void layers_have_a_cone_for_each_bundle(void **state) {
+    static const struct {
+        asdic_sound_profile profile;
+        double sonar_m, across_m, depth_m;
+        dev_uint least, most;
+    } cases[] = {
+        {{3, {0.0, 10.0, 20.0}, {1520.0, 1480.0, 1520.0}}, 10.0, 200.0, 10.0, 2, DEV_MAX_CONES},
+        {{2, {0.0, 20.0}, {1500.0, 1440.0}}, 2.0, 100.0, 0.5, 0, 0},
+        {{3, {0.0, 5.0, 10.0}, {1500.0, 1500.0, 1480.0}}, 3.0, 40.0, 2.0, 1, 1},
+    };
+    const dev_beam beam = {
+        .rows = {1, 0, 0, 0, 1, 0, 0, 0, 1}, .length_h_wl = 1.0f, .length_v_wl = 1.0f};
+    const dev_beam beams[2] = {beam, beam};
+    (void)state;
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        asdic_passage way = {.top_m = 0.0, .bottom_m = 20.0};
+        asdic_environment env = asdic_environment_default();
+        env.sound_speed_profile = cases[k].profile;
+        asdic_layers_of(&env, cases[k].sonar_m, &way.layers);
+        const asdic_part ball = {.kind = DEV_KIND_OBJECT,
+                                 .center_m = {cases[k].across_m, 0.0, cases[k].depth_m},
+                                 .radius_m = 0.2};
+        dev_ping *ping = calloc(1, sizeof *ping);
+        assert_non_null(ping);
+        ping->range_m = 300.0f;
+        ping->beams = 1;
+        ping->batch.rays = ping->sampling.background = 1000;
+        asdic_cones_place(&ball, 1, (asdic_vec3){0.0, 0.0, cases[k].sonar_m}, beams, &way, 1, ping);
+        print_message("case %zu: %u cones\n", k, ping->sampling.cones);
+        assert_in_range(ping->sampling.cones, cases[k].least, cases[k].most);
+        free(ping);
+    }
+}
+
 /* Each of several gets its part of the rays, less than one alone: four as many as two together. */
 static void several_objects_share_rays(void **state) {
     (void)state;
@@ -322,10 +435,12 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(target_is_never_missed),
         cmocka_unit_test(cones_agree_with_beam_sampler),
+        cmocka_unit_test(layers_hide_no_target),
         cmocka_unit_test(near_objects_are_as_loud_as_they_are),
         cmocka_unit_test(crowds_keep_the_flat_bins),
         cmocka_unit_test(few_rays_keep_the_flat_bins),
         cmocka_unit_test(near_objects_have_cones),
+        cmocka_unit_test(layers_have_a_cone_for_each_bundle),
         cmocka_unit_test(several_objects_share_rays),
         cmocka_unit_test(pilots_learn_where_a_ball_is),
     };
