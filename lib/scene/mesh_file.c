@@ -14,15 +14,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-static uint64_t hash_facets(const asdic_mesh_scan *scan, const asdic_polygons *p) {
+static uint64_t hash_facets(const asdic_polygons *p) {
     uint64_t hash = 0;
     for (size_t f = 0; f < p->facet_count; f++) {
         const uint32_t *corners = &p->corners[p->first[f]];
         size_t count = p->first[f + 1] - p->first[f];
-        if (scan->format == ASDIC_MESH_OBJ && count <= ASDIC_POLYGON_MAX_CORNERS &&
-            asdic_mesh_scan_names_twice(corners, count)) {
-            continue;
-        }
         hash = asdic_hash_fold(hash, count);
         for (size_t i = 0; i < count; i++) {
             hash = asdic_hash_fold(hash, corners[i]);
@@ -41,7 +37,7 @@ static asdic_status check_counts(const asdic_mesh_scan *scan, const asdic_polygo
                           scan->path, scan->vertices, scan->facets, p->vertex_count,
                           p->facet_count);
     }
-    if (!stl && hash_facets(scan, p) != scan->facet_hash) {
+    if (!stl && hash_facets(p) != scan->facet_hash) {
         return asdic_fail(scan->ctx, ASDIC_ERROR_INPUT,
                           "%s: OpenMesh reads other facets than the file holds; write it anew in a "
                           "plain layout (one vertex or facet a line, no colours)",

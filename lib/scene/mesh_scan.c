@@ -115,17 +115,6 @@ asdic_status asdic_mesh_scan_add_vertex(asdic_mesh_scan *scan, const double v[3]
     return ASDIC_OK;
 }
 
-bool asdic_mesh_scan_names_twice(const uint32_t *corners, size_t count) {
-    for (size_t i = 1; i < count; i++) {
-        for (size_t j = 0; j < i; j++) {
-            if (corners[i] == corners[j]) {
-                return true;
-            }
-        }
-    }
-    return false;
-}
-
 static asdic_status read_stream(asdic_mesh_scan *scan, FILE *file) {
     struct stat info;
     if (fstat(fileno(file), &info) != 0) {

@@ -28,9 +28,10 @@ typedef struct asdic_mesh_scan {
     locale_t c_locale;
     asdic_mesh_format format;
     size_t vertices, facets;
-    size_t degenerate;   /* facets that name a vertex, or have a corner, twice: OpenMesh may drop
-                         * them; not counted for PLY and OFF, whose facets it hands over as is */
-    uint64_t facet_hash; /* of all facets' corner counts and indices; OBJ: degenerate ones apart */
+    size_t degenerate;   /* facets of fewer than three vertices or places: OpenMesh may drop them;
+                         * not counted for PLY and OFF, whose facets it hands over as is */
+    uint64_t facet_hash; /* of all facets' corner counts and indices; OBJ: each vertex once, and
+                         * degenerate ones apart */
     double *vertices_m;  /* 3 * vertices; NULL for STL, whose facets carry their own corners */
 } asdic_mesh_scan;
 
@@ -69,9 +70,6 @@ bool asdic_line_take_integer(asdic_line *line, long long *out);
 /* "PATH:LINE: MESSAGE" and ASDIC_ERROR_INPUT. */
 asdic_status asdic_mesh_scan_fail(const asdic_mesh_scan *scan, size_t line, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
-
-/* Whether a polygon names one vertex twice. */
-bool asdic_mesh_scan_names_twice(const uint32_t *corners, size_t count);
 
 /* Makes room for one vertex more than *CAPACITY holds, and appends. */
 asdic_status asdic_mesh_scan_add_vertex(asdic_mesh_scan *scan, const double v[3], size_t *capacity);

@@ -58,9 +58,25 @@ static asdic_status scan_corner(asdic_mesh_scan *scan, asdic_line *line, obj_sta
     return ASDIC_OK;
 }
 
-static void count_facet(asdic_mesh_scan *scan, const uint32_t *facet, size_t corners) {
+/* OpenMesh drops a corner that names a vertex again, and what has then no three corners. */
+static size_t drop_repeated(uint32_t *facet, size_t corners) {
+    size_t kept = 0;
+    for (size_t i = 0; i < corners; i++) {
+        size_t j = 0;
+        while (j < kept && facet[j] != facet[i]) {
+            j++;
+        }
+        if (j == kept) {
+            facet[kept++] = facet[i];
+        }
+    }
+    return kept;
+}
+
+static void count_facet(asdic_mesh_scan *scan, uint32_t *facet, size_t corners) {
     scan->facets++;
-    if (asdic_mesh_scan_names_twice(facet, corners)) {
+    corners = drop_repeated(facet, corners);
+    if (corners < 3) {
         scan->degenerate++;
         return;
     }

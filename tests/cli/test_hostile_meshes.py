@@ -24,11 +24,8 @@ BROKEN_REFUSED = {
 }
 ASSIMP_REFUSED = {
     "OBJ/box_UTF16BE.obj": "UTF-16 where text is expected",
-    "OBJ/box_longline.obj": "OpenMesh reads other facets than the file holds",
-    "OBJ/concave_polygon.obj": "OpenMesh reads other facets than the file holds",
     "OBJ/number_formats.obj": ":11: coordinate 3 of this vertex is not a finite number",
     "OBJ/point_cloud.obj": "0 facets",
-    "OBJ/space_in_material_name.obj": "OpenMesh reads other facets than the file holds",
     "OBJ/testline.obj": "0 facets",
     "OBJ/testpoints.obj": "0 facets",
     "OFF/invalid.off": ":2: the numbers of vertices, facets and edges are expected",

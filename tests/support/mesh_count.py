@@ -33,7 +33,9 @@ def read_obj(content):
             points.append(tuple(map(float, words[1:4])))
         elif words[:1] == ["f"]:
             numbers = [int(word.split("/")[0]) for word in words[1:]]
-            facets.append([n - 1 if n > 0 else len(points) + n for n in numbers])
+            facet = [n - 1 if n > 0 else len(points) + n for n in numbers]
+            apart = list(dict.fromkeys(facet))  # each vertex once
+            facets.append(apart if len(apart) > 2 else facet[:3])
     return result(points, facets)
 
 

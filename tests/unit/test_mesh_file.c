@@ -103,6 +103,11 @@ static void obj_sound(void **state) {
     /* a facet that names a vertex twice is dropped and counted */
     mesh_rig_write(&rig, "m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 2\nf 1 2 3\nf 1 1 1\n");
     mesh_rig_expect(&rig, 1, 2);
+    /* a corner that is there again is left out: triangles written as quads, and a quad as five */
+    mesh_rig_write(&rig, "m.obj",
+                   "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
+                   "f 1 2 3 3\nf 1/1 1/2 3/3 4/4\nf 1 2 1 2\nf 1 2 3 1 4\n");
+    mesh_rig_expect(&rig, 4, 1);
     /* an edge of three facets, and a facet twice: kept */
     mesh_rig_write(&rig, "m.obj",
                    "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\n"
