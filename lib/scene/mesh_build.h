@@ -17,12 +17,13 @@ asdic_status asdic_mesh_allocate(asdic_context *ctx, size_t vertex_count, size_t
  * every error. */
 asdic_status asdic_mesh_complete(asdic_context *ctx, asdic_mesh *mesh, const char *name);
 
-/* Edges that belong to one facet only, once equal vertices count as one. */
+/* Edges that belong to one facet only, once vertices at one place count as one. */
 asdic_status asdic_mesh_count_open_edges(asdic_context *ctx, const asdic_mesh *mesh, size_t *count);
 
-/* WELDED[i] becomes the lowest index of a vertex equal to vertex i; VERTICES_M holds 3 * COUNT. */
+/* WELDED[i] becomes the lowest index of a vertex where vertex i is, to the roundings that part a
+ * seam's two sides; VERTICES_M holds 3 * COUNT. INDICES NULL: every three vertices are a triangle. */
 asdic_status asdic_weld_vertices(asdic_context *ctx, const double *vertices_m, size_t count,
-                                 uint32_t *welded);
+                                 const uint32_t *indices, size_t triangles, uint32_t *welded);
 
 /* Sets the remark on an extent that looks like another unit's. A body of more than 200 m is a rare
  * ship, or one in millimetres; a bottom may well be 20 km wide. */

@@ -19,7 +19,7 @@ typedef struct asdic_surface {
     const double *corners_m; /* 9 per facet, world */
     dev_triangle *facets;
     uint32_t count;
-    uint32_t *vertex;   /* 3 per facet: the lowest corner equal to this one */
+    uint32_t *vertex;   /* 3 per facet: the lowest corner where this one is */
     uint32_t *first;    /* 3 * count + 1: where a vertex' corners begin in touching */
     uint32_t *touching; /* corners by vertex */
     int8_t *side;       /* per facet: 1 as it is wound, -1 the other way; neighbours then agree */

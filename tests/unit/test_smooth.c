@@ -8,6 +8,8 @@
 
 #include <asdic/asdic.h>
 
+#include <stdlib.h>
+
 #define PI 3.14159265358979323846
 
 static asdic_context *ctx;
@@ -76,6 +78,21 @@ static void a_box_stays_flat(void **state) {
     asdic_scene_destroy(&scene);
 }
 
+/* Most that normals are off the radial ones, of a ball that SCENE holds. */
+static double off_radial_rad(const asdic_scene *scene) {
+    double most = 0.0;
+    asdic_vec3 c = scene->parts[0].center_m, o = scene->origin_m;
+    for (size_t i = 0; i < scene->triangle_count; i++) {
+        const dev_triangle *t = &scene->triangles[i];
+        assert_int_not_equal(t->corner_normals[0], DEV_FLAT);
+        float p[3];
+        point_at(t, 0.2 + 0.01 * (i % 7), 0.3, p);
+        asdic_vec3 radial = {p[0] + o.x - c.x, p[1] + o.y - c.y, p[2] + o.z - c.z};
+        most = fmax(most, off_rad(t, p, radial));
+    }
+    return most;
+}
+
 static void a_sphere_is_round(void **state) {
     (void)state;
     static const unsigned segments[] = {16, 24, 96};
@@ -83,17 +100,10 @@ static void a_sphere_is_round(void **state) {
         asdic_mesh *mesh;
         assert_ok(ctx, asdic_mesh_sphere(ctx, 0.5, segments[s], &mesh));
         asdic_scene *scene = steel_scene(mesh);
-        double most = 0.0, least_m = 1e9, most_m = 0.0;
-        asdic_vec3 c = scene->parts[0].center_m, o = scene->origin_m;
+        double most = off_radial_rad(scene), least_m = 1e9, most_m = 0.0;
         for (size_t i = 0; i < scene->triangle_count; i++) {
-            const dev_triangle *t = &scene->triangles[i];
-            assert_int_not_equal(t->corner_normals[0], DEV_FLAT);
-            float p[3];
-            point_at(t, 0.2 + 0.01 * (i % 7), 0.3, p);
-            asdic_vec3 radial = {p[0] + o.x - c.x, p[1] + o.y - c.y, p[2] + o.z - c.z};
-            most = fmax(most, off_rad(t, p, radial));
-            least_m = fmin(least_m, t->radius_m);
-            most_m = fmax(most_m, t->radius_m);
+            least_m = fmin(least_m, scene->triangles[i].radius_m);
+            most_m = fmax(most_m, scene->triangles[i].radius_m);
         }
         double step = 2.0 * PI / segments[s];
         print_message("%u segments: normals off by %.3f of a step, radius %.3f to %.3f m\n",
@@ -102,6 +112,47 @@ static void a_sphere_is_round(void **state) {
         assert_true(least_m > 0.4 && most_m < 0.65);
         asdic_scene_destroy(&scene);
     }
+}
+
+/* Every facet with corners of its own, apart by the last bit of single precision or none. */
+static void twins_are_one_vertex(void **state) {
+    (void)state;
+    asdic_mesh *ball, *mesh;
+    assert_ok(ctx, asdic_mesh_sphere(ctx, 0.5, 24, &ball));
+    size_t corners = 3 * ball->triangle_count;
+    double *v = malloc(3 * corners * sizeof *v);
+    uint32_t *f = malloc(corners * sizeof *f);
+    assert_true(v && f);
+    for (size_t i = 0; i < corners; i++) {
+        f[i] = (uint32_t)i;
+        for (size_t k = 0; k < 3; k++) {
+            v[3 * i + k] = ball->vertices_m[3 * ball->indices[i] + k] + 6e-8 * (double)(i * 7 % 3);
+        }
+    }
+    assert_ok(ctx, asdic_mesh_from_triangles(ctx, v, corners, f, corners / 3, &mesh));
+    assert_int_equal(asdic_mesh_get_info(mesh).open_edges, 0);
+    asdic_scene *scene = steel_scene(mesh);
+    assert_true(off_radial_rad(scene) < 0.05 * 2.0 * PI / 24);
+    asdic_scene_destroy(&scene);
+    asdic_mesh_destroy(&ball);
+    free(v);
+    free(f);
+}
+
+/* However small beside the mesh, a facet keeps three corners; and cracks of 1e-5 stay open. */
+static void neighbours_are_no_twins(void **state) {
+    (void)state;
+    static const double v[] = {0, 0, 0, 1,    0, 0, 1,        1,    0, /* a large facet */
+                               0, 0, 2, 1e-7, 0, 2, 1e-7,     1e-7, 2, /* and a tiny one */
+                               0, 0, 0, 1,    1, 0, -0.00001, 1,    0};
+    static const uint32_t f[] = {0, 1, 2, 3, 4, 5, 6, 7, 8}, near[] = {0, 1, 2, 6, 7, 8};
+    asdic_mesh *mesh;
+    assert_ok(ctx, asdic_mesh_from_triangles(ctx, v, 9, f, 3, &mesh));
+    assert_int_equal(asdic_mesh_get_info(mesh).open_edges, 7);
+    asdic_mesh_destroy(&mesh);
+    assert_ok(ctx, asdic_mesh_from_triangles(ctx, v, 9, near, 2, &mesh));
+    assert_int_equal(asdic_mesh_get_info(mesh).open_edges, 4);
+    asdic_mesh_destroy(&mesh);
 }
 
 static void a_cylinder_is_straight_one_way(void **state) {
@@ -124,35 +175,51 @@ static void a_cylinder_is_straight_one_way(void **state) {
     asdic_scene_destroy(&scene);
 }
 
-/* A face of 1 m with a rounded edge of five strips of 2 cm: the face stays flat, the strips do not. */
-static void a_rounded_edge_leaves_its_face_flat(void **state) {
-    (void)state;
-    enum { STRIPS = 5, VERTICES = 2 * (STRIPS + 2) };
-    double v[3 * VERTICES], x = 0.0, z = 0.0;
-    uint32_t f[6 * (STRIPS + 1)];
-    for (int i = 0; i < STRIPS + 2; i++) {
+/* Strips of 1 m that turn by so much from one to the next, each in CUTS along its width. */
+static asdic_scene *folded(const double *lengths_m, const double *turns_rad, int strips, int cuts) {
+    enum { MOST = 16 };
+    double v[6 * (MOST + 1)] = {0}, angle = 0.0;
+    uint32_t f[6 * MOST];
+    uint32_t count = (uint32_t)(strips * cuts);
+    assert_true(count <= MOST);
+    for (uint32_t i = 0; i < count; i++) {
+        int strip = (int)i / cuts;
+        angle += (int)i % cuts == 0 ? turns_rad[strip] : 0.0;
+        v[6 * i + 4] = 1.0;
         for (int side = 0; side < 2; side++) {
-            v[6 * i + 3 * side] = x;
-            v[6 * i + 3 * side + 1] = side;
-            v[6 * i + 3 * side + 2] = z;
+            v[6 * i + 6 + 3 * side] = v[6 * i] + lengths_m[strip] / cuts * cos(angle);
+            v[6 * i + 7 + 3 * side] = side;
+            v[6 * i + 8 + 3 * side] = v[6 * i + 2] + lengths_m[strip] / cuts * sin(angle);
         }
-        double length = i == 0 ? 1.0 : 0.02, angle = 0.25 * i;
-        x += length * cos(angle);
-        z += length * sin(angle);
-    }
-    for (uint32_t i = 0; i < STRIPS + 1; i++) {
         uint32_t corners[6] = {2 * i, 2 * i + 1, 2 * i + 3, 2 * i, 2 * i + 3, 2 * i + 2};
         memcpy(f + 6 * i, corners, sizeof corners);
     }
     asdic_mesh *mesh;
-    assert_ok(ctx, asdic_mesh_from_triangles(ctx, v, VERTICES, f, 2 * (STRIPS + 1), &mesh));
-    asdic_scene *scene = steel_scene(mesh);
-    for (int i = 0; i < 2 * (STRIPS + 1); i++) {
-        bool face = i < 2;
-        assert_int_equal(scene->triangles[i].corner_normals[0] == DEV_FLAT, face);
+    assert_ok(ctx, asdic_mesh_from_triangles(ctx, v, 2 * (count + 1), f, 2 * count, &mesh));
+    return steel_scene(mesh);
+}
+
+/* A face of 1 m stays flat, whether its edge is rounded by five strips of 2 cm, which do not, or
+ * bevelled by one, and whatever it is cut into. */
+static void an_edge_leaves_its_face_flat(void **state) {
+    (void)state;
+    static const double round_m[] = {1.0, 0.02, 0.02, 0.02, 0.02, 0.02};
+    static const double round_rad[] = {0.0, 0.25, 0.25, 0.25, 0.25, 0.25};
+    static const double bevel_m[] = {1.0, 0.02, 1.0}, bevel_rad[] = {0.0, 0.5, 0.5};
+    for (int bevel = 0; bevel < 2; bevel++) {
+        for (int cuts = 1; cuts < 3; cuts++) {
+            int strips = bevel ? 3 : 6;
+            asdic_scene *scene =
+                folded(bevel ? bevel_m : round_m, bevel ? bevel_rad : round_rad, strips, cuts);
+            for (int i = 0; i < 2 * cuts * strips; i++) {
+                bool face = (bevel ? bevel_m : round_m)[i / 2 / cuts] == 1.0;
+                bool flat = scene->triangles[i].corner_normals[0] == DEV_FLAT;
+                assert_true(face ? flat : !flat || cuts > 1);
+            }
+            assert_close(scene->triangles[0].flat_m2, 1.0, 1e-4);
+            asdic_scene_destroy(&scene);
+        }
     }
-    assert_close(scene->triangles[0].flat_m2, 1.0, 1e-4);
-    asdic_scene_destroy(&scene);
 }
 
 /* The bottom law takes the facets' own normals. */
@@ -210,8 +277,10 @@ int main(void) {
         cmocka_unit_test(packing_keeps_directions),
         cmocka_unit_test(a_box_stays_flat),
         cmocka_unit_test(a_sphere_is_round),
+        cmocka_unit_test(twins_are_one_vertex),
+        cmocka_unit_test(neighbours_are_no_twins),
         cmocka_unit_test(a_cylinder_is_straight_one_way),
-        cmocka_unit_test(a_rounded_edge_leaves_its_face_flat),
+        cmocka_unit_test(an_edge_leaves_its_face_flat),
         cmocka_unit_test(facets_wound_either_way_are_one_body),
         cmocka_unit_test(other_laws_stay_flat),
     };

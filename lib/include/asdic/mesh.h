@@ -16,7 +16,7 @@ typedef struct asdic_mesh asdic_mesh;
 typedef struct asdic_mesh_info {
     size_t triangles, vertices;
     size_t dropped;    /* degenerate facets left out */
-    size_t open_edges; /* edges with one facet only (after welding equal vertices) */
+    size_t open_edges; /* edges with one facet only (vertices apart by roundings are one) */
     asdic_vec3 min_m, max_m;
     char hint[160]; /* "" or a remark: "300 m across: millimetres? (scale 0.001)" */
 } asdic_mesh_info;
