@@ -247,4 +247,5 @@ void asdic_surface_finish(asdic_surface *surface) {
     free(surface->side);
     free(surface->patch);
     free(surface->patches);
+    free(surface->round);
 }

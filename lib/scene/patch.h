@@ -25,6 +25,7 @@ typedef struct asdic_surface {
     int8_t *side;       /* per facet: 1 as it is wound, -1 the other way; neighbours then agree */
     uint32_t *patch;    /* per facet */
     asdic_patch *patches;
+    asdic_vec3 *round; /* 3 per facet: normals as if no patch were a face with a rounded edge */
 } asdic_surface;
 
 /* COUNT facets of a part: which touch, their sides and rims. Finish it even when this fails. */

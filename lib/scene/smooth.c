@@ -2,6 +2,7 @@
 
 #include "base/try.h"
 
+#include "bend.h"
 #include "moving.h"
 #include "patch.h"
 
@@ -16,10 +17,15 @@
 /* Facets that meet at a sharper angle than 35 degrees meet at an edge; below it they stand for one
  * curved surface. A round body of 16 facets turns by 32 from one to the next but one. */
 #define CREASE_COSINE 0.819
-/* A patch this much larger than its neighbour is a flat face with a rounded edge: it stays flat. */
+/* A patch this much larger than its neighbour may be a flat face with a rounded edge, which stays flat. */
 #define FACE_RATIO 4.0
-/* A surface that bends this much more one way than the other is straight the other way. */
-#define STRAIGHT 1e-4
+/* It is where the neighbour bends this much faster. On a ball all facets bend alike. */
+#define BEND_RATIO 2.0
+/* It is for certain where it is cut into facets so much smaller; of roundings to SAME_PLANE a curved
+ * surface has patches of several as well. */
+#define MANY_FACETS 4.0
+/* A face is cut into two triangles at least, unless it is one. */
+#define SOME_FACETS 1.5
 
 uint32_t asdic_smooth_pack(asdic_vec3 n) {
     double sum = fabs(n.x) + fabs(n.y) + fabs(n.z);
@@ -46,6 +52,51 @@ static double corner_weight(const asdic_surface *s, uint32_t corner) {
     return aa * bb > 0.0 ? asdic_vec3_length(asdic_vec3_cross(a, b)) / (aa * bb) : 0.0;
 }
 
+static double facet_m2(const asdic_surface *s, uint32_t facet) {
+    asdic_vec3 p = asdic_surface_corner(s, 3 * (size_t)facet);
+    asdic_vec3 a = asdic_vec3_sub(asdic_surface_corner(s, 3 * (size_t)facet + 1), p);
+    asdic_vec3 b = asdic_vec3_sub(asdic_surface_corner(s, 3 * (size_t)facet + 2), p);
+    return 0.5 * asdic_vec3_length(asdic_vec3_cross(a, b));
+}
+
+static asdic_vec3 sum_of_corners(const asdic_surface *s, uint32_t facet) {
+    asdic_vec3 sum = asdic_surface_corner(s, 3 * (size_t)facet);
+    sum = asdic_vec3_add(sum, asdic_surface_corner(s, 3 * (size_t)facet + 1));
+    return asdic_vec3_add(sum, asdic_surface_corner(s, 3 * (size_t)facet + 2));
+}
+
+/* Whether what lies over an edge from FACET touches the facet that has CORNER, ahead of it. */
+static bool is_bevel(const asdic_surface *s, uint32_t facet, uint32_t corner, asdic_vec3 way) {
+    asdic_vec3 own = asdic_surface_normal(s, facet), from = sum_of_corners(s, corner / 3);
+    for (uint32_t k = 1; k < 3; k++) {
+        uint32_t at = s->vertex[3 * (size_t)(corner / 3) + (corner + k) % 3];
+        uint32_t first = s->first[at], end = s->first[at + 1];
+        for (uint32_t i = first; i < end && end - first <= ASDIC_MOST_CORNERS; i++) {
+            uint32_t next = s->touching[i] / 3;
+            if (asdic_vec3_dot(own, asdic_surface_normal(s, next)) < CREASE_COSINE &&
+                asdic_vec3_dot(way, asdic_vec3_sub(sum_of_corners(s, next), from)) > 0.0) {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+/* Whether the much smaller facet that has CORNER begins the bevelled or rounded edge of the flat face
+ * that FACET is, or is cut from. */
+static bool begins_edge(const asdic_surface *s, uint32_t facet, uint32_t corner) {
+    uint32_t other = corner / 3;
+    double face_m2 = s->patches[s->patch[facet]].area_m2, own_m2 = facet_m2(s, facet);
+    asdic_vec3 way = asdic_vec3_sub(sum_of_corners(s, other), sum_of_corners(s, facet));
+    if (face_m2 > MANY_FACETS * own_m2 ||
+        (face_m2 > SOME_FACETS * own_m2 && is_bevel(s, facet, corner, way))) {
+        return true;
+    }
+    asdic_bend there = asdic_bend_of(s, other, s->round + 3 * (size_t)other);
+    asdic_bend here = asdic_bend_of(s, facet, s->round + 3 * (size_t)facet);
+    return asdic_bend_along(&there, way) > BEND_RATIO * asdic_bend_along(&here, way);
+}
+
 /* The surface's normal at a corner of FACET; *BENT when another patch has a part in it. */
 static asdic_vec3 corner_normal(const asdic_surface *s, uint32_t facet, uint32_t corner,
                                 bool *bent) {
@@ -60,7 +111,8 @@ static asdic_vec3 corner_normal(const asdic_surface *s, uint32_t facet, uint32_t
         asdic_vec3 normal = asdic_surface_normal(s, other);
         bool patch = s->patch[other] != s->patch[facet];
         if (patch && (asdic_vec3_dot(own, normal) < CREASE_COSINE ||
-                      s->patches[s->patch[other]].area_m2 < least_m2)) {
+                      (s->round && s->patches[s->patch[other]].area_m2 < least_m2 &&
+                       begins_edge(s, facet, s->touching[i])))) {
             continue;
         }
         *bent |= patch;
@@ -69,64 +121,6 @@ static asdic_vec3 corner_normal(const asdic_surface *s, uint32_t facet, uint32_t
     }
     double length = asdic_vec3_length(sum);
     return length > 0.0 ? asdic_vec3_scale(sum, 1.0 / length) : own;
-}
-
-/* Solves the symmetric 3 x 3 system A x = B by Cramer's rule; false when it is singular. */
-static bool solve3(const double a[3][3], const double b[3], double x[3]) {
-    double c0 = a[1][1] * a[2][2] - a[1][2] * a[2][1];
-    double c1 = a[1][2] * a[2][0] - a[1][0] * a[2][2];
-    double c2 = a[1][0] * a[2][1] - a[1][1] * a[2][0];
-    double det = a[0][0] * c0 + a[0][1] * c1 + a[0][2] * c2;
-    if (!(fabs(det) > 0.0)) {
-        return false;
-    }
-    x[0] = (b[0] * c0 + b[1] * (a[0][2] * a[2][1] - a[0][1] * a[2][2]) +
-            b[2] * (a[0][1] * a[1][2] - a[0][2] * a[1][1])) /
-           det;
-    x[1] = (b[0] * c1 + b[1] * (a[0][0] * a[2][2] - a[0][2] * a[2][0]) +
-            b[2] * (a[0][2] * a[1][0] - a[0][0] * a[1][2])) /
-           det;
-    x[2] = (b[0] * c2 + b[1] * (a[0][1] * a[2][0] - a[0][0] * a[2][1]) +
-            b[2] * (a[0][0] * a[1][1] - a[0][1] * a[1][0])) /
-           det;
-    return true;
-}
-
-/* Larger radius of curvature, from how the corner normals differ along the edges (S. Rusinkiewicz,
- * "Estimating curvatures and their derivatives on triangle meshes", 3DPVT 2004); 0 where the
- * surface is straight one way. */
-static double larger_radius(const asdic_surface *s, uint32_t facet, const asdic_vec3 normals[3]) {
-    asdic_vec3 n = asdic_surface_normal(s, facet), p[3];
-    for (int k = 0; k < 3; k++) {
-        p[k] = asdic_surface_corner(s, 3 * (size_t)facet + k);
-    }
-    asdic_vec3 u = asdic_vec3_sub(p[1], p[0]);
-    u = asdic_vec3_scale(u, 1.0 / asdic_vec3_length(u));
-    asdic_vec3 v = asdic_vec3_cross(n, u);
-    double a[3][3] = {{0}}, b[3] = {0}, x[3]; /* of the tensor (x0, x1; x1, x2) */
-    for (int k = 0; k < 3; k++) {
-        asdic_vec3 edge = asdic_vec3_sub(p[(k + 1) % 3], p[k]);
-        asdic_vec3 turn = asdic_vec3_sub(normals[(k + 1) % 3], normals[k]);
-        double eu = asdic_vec3_dot(edge, u), ev = asdic_vec3_dot(edge, v);
-        double tu = asdic_vec3_dot(turn, u), tv = asdic_vec3_dot(turn, v);
-        a[0][0] += eu * eu;
-        a[0][1] += eu * ev;
-        a[1][1] += eu * eu + ev * ev;
-        a[1][2] += eu * ev;
-        a[2][2] += ev * ev;
-        b[0] += tu * eu;
-        b[1] += tu * ev + tv * eu;
-        b[2] += tv * ev;
-    }
-    a[1][0] = a[0][1];
-    a[2][1] = a[1][2];
-    if (!solve3((const double(*)[3])a, b, x)) {
-        return 0.0;
-    }
-    double mean = 0.5 * (x[0] + x[2]), root = hypot(0.5 * (x[0] - x[2]), x[1]);
-    double least = fmin(fabs(mean + root), fabs(mean - root));
-    double most = fmax(fabs(mean + root), fabs(mean - root));
-    return least > STRAIGHT * most ? 1.0 / least : 0.0;
 }
 
 /* TURNED: where the corners' normals go in double, three a facet; or NULL. */
@@ -150,7 +144,8 @@ static void smooth_facet(const asdic_surface *s, uint32_t facet, asdic_vec3 *tur
         }
     }
     t->flat_m2 = (float)patch->length2_m2;
-    t->radius_m = (float)larger_radius(s, facet, normals);
+    asdic_bend bend = asdic_bend_of(s, facet, normals);
+    t->radius_m = (float)asdic_bend_larger_radius(&bend);
 }
 
 /* Room for the normals of a part that moves; NULL for one that stays. */
@@ -178,6 +173,20 @@ static void turn_back(const asdic_movable *m, const asdic_vec3 *world) {
     }
 }
 
+/* Corner normals as if no patch were a face with a rounded edge. */
+static asdic_status find_round(asdic_context *ctx, asdic_surface *s) {
+    asdic_vec3 *round = malloc(3 * (size_t)s->count * sizeof *round);
+    if (!round) {
+        return asdic_fail_memory(ctx, "the corner normals of an object");
+    }
+    for (uint32_t corner = 0; corner < 3 * s->count; corner++) {
+        bool bent = false;
+        round[corner] = corner_normal(s, corner / 3, corner, &bent);
+    }
+    s->round = round;
+    return ASDIC_OK;
+}
+
 /* Smooths the facets of a part, whose SURFACE begins with triangle BEGIN. */
 static asdic_status smooth_part(asdic_scene *scene, size_t begin, asdic_surface *surface) {
     asdic_movable *moving;
@@ -189,6 +198,7 @@ static asdic_status smooth_part(asdic_scene *scene, size_t begin, asdic_surface 
     }
     asdic_status status =
         asdic_surface_find_patches(scene->ctx, 2.0 * scene->parts[number].radius_m, surface);
+    status = status ? status : find_round(scene->ctx, surface);
     for (uint32_t facet = 0; !status && facet < surface->count; facet++) {
         smooth_facet(surface, facet, turned);
     }

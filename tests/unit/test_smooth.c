@@ -114,6 +114,29 @@ static void a_sphere_is_round(void **state) {
     }
 }
 
+/* Facets of all sizes side by side, as marching cubes leave them: every third ring and meridian of a
+ * ball moved nine tenths of the way to the next. */
+static void a_ball_of_unequal_facets_is_round(void **state) {
+    (void)state;
+    enum { SEGMENTS = 48 };
+    asdic_mesh *mesh;
+    assert_ok(ctx, asdic_mesh_sphere(ctx, 0.5, SEGMENTS, &mesh));
+    for (size_t i = 1; i + 1 < mesh->vertex_count; i++) {
+        double *v = &mesh->vertices_m[3 * i], ring = floor((double)(i - 1) / SEGMENTS);
+        double polar = acos(v[2] / 0.5), azimuth = atan2(v[1], v[0]), step = 2.0 * PI / SEGMENTS;
+        polar += fmod(ring, 3.0) == 0.0 ? 0.9 * step : 0.0;
+        azimuth += i % 3 == 1 ? 0.9 * step : 0.0;
+        v[0] = 0.5 * sin(polar) * cos(azimuth);
+        v[1] = 0.5 * sin(polar) * sin(azimuth);
+        v[2] = 0.5 * cos(polar);
+    }
+    asdic_scene *scene = steel_scene(mesh);
+    double most = off_radial_rad(scene) * SEGMENTS / (2.0 * PI);
+    print_message("normals off by %.3f of a step\n", most);
+    assert_true(most < 0.05);
+    asdic_scene_destroy(&scene);
+}
+
 /* Every facet with corners of its own, apart by the last bit of single precision or none. */
 static void twins_are_one_vertex(void **state) {
     (void)state;
@@ -277,6 +300,7 @@ int main(void) {
         cmocka_unit_test(packing_keeps_directions),
         cmocka_unit_test(a_box_stays_flat),
         cmocka_unit_test(a_sphere_is_round),
+        cmocka_unit_test(a_ball_of_unequal_facets_is_round),
         cmocka_unit_test(twins_are_one_vertex),
         cmocka_unit_test(neighbours_are_no_twins),
         cmocka_unit_test(a_cylinder_is_straight_one_way),
