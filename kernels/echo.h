@@ -398,9 +398,8 @@ typedef struct slant {
 } slant;
 
 /* Mean-square slope of a facet; RANGE limits the area that reflects in phase. */
-static real slope_ms(const world *w, const law_lanes *l, real range) {
-    return facet_slope_ms(l->formula[0], l->coherent_area_m2, (real)(w->ping->wavelength_m),
-                          r_max(range, R(1e-3)));
+static real slope_ms(const law_lanes *l, real wavelength, real range) {
+    return facet_slope_ms(l->formula[0], l->coherent_area_m2, wavelength, r_max(range, R(1e-3)));
 }
 
 /* s(Theta), linear, 1/sr; RANGE limits the area that reflects in phase. */
@@ -411,7 +410,7 @@ static real strength(const world *w, const law_lanes *l, slant a, real range) {
         s = choose(l->is_searay, f, s);
     }
     if (any_true(l->is_facet)) {
-        real slope = slope_ms(w, l, range);
+        real slope = slope_ms(l, (real)(w->ping->wavelength_m), range);
         real f = facet_strength_angle_lin(a.sine, a.cos2, l->reflection2, l->roughness_g, slope);
         s = choose(l->is_facet, f, s);
     }
@@ -448,16 +447,24 @@ static slant surface_slant(const meeting *m, triple u) {
     return a;
 }
 
-/* The strength of M for what comes IN and goes OUT, where the strengths towards both are S_IN and S_OUT, and MIDDLE lies
- * midway between the ways there and back, of any length. Laws but that of facets do not tell: theirs is the mean in
- * decibels, which is right for Lambert's. */
+/* The wavelength at which a flat piece returns along MIDDLE, half the sum of the directions of two ways, what it passes on
+ * from one to the other: longer by the cosine of half the angle between both (R. E. Kell, "On the derivation of bistatic
+ * RCS from monostatic measurements", Proc. IEEE 53, 983 (1965)). In the mirror direction that makes (A cos i / lambda)^2
+ * of a plate's (A / lambda)^2, as physical optics does. */
+static real bistatic_wavelength(const world *w, triple middle) {
+    real cos2_half = r_min(r_max(dot3(middle, middle), R(1e-6)), R(1.0));
+    return (real)(w->ping->wavelength_m) / sqrt(cos2_half);
+}
+
+/* The strength of M for what comes IN and goes OUT, where the strengths towards both are S_IN and S_OUT; MIDDLE: as above.
+ * Laws but that of facets do not tell: theirs is the mean in decibels, which is right for Lambert's. */
 static real strength_between(const world *w, const law_lanes *l, const meeting *m, slant in,
                              real s_in, slant out, real s_out, triple middle, real range) {
     real s = sqrt(s_in * s_out);
     if (any_true(l->is_facet)) {
         real unit2 = R(1.0) / r_max(dot3(middle, middle), R(1e-12));
         triple across = cross3(m->surface, middle);
-        real slope = slope_ms(w, l, range);
+        real slope = slope_ms(l, bistatic_wavelength(w, middle), range);
         real f = facet_strength_between_lin(
             in.sine, out.sine, r_abs(dot3(m->surface, middle)) * sqrt(unit2),
             dot3(across, across) * unit2, l->reflection2, l->roughness_g, slope);

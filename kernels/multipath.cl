@@ -13,7 +13,8 @@
  *
  * The tube's outgoing spreading cancels against its area, so that only the return spreads. D^-2 is
  * for flat mirrors; at a curved one it becomes 1 / J (ray_mirror_gain). Facets tell s_X(in, out); of other laws it is
- * sqrt(s_X(in) s_X(out)), which is exact for Lambert's law.
+ * sqrt(s_X(in) s_X(out)), which is exact for Lambert's law. Of two facets that mirror both are O and X by turns, and share
+ * one lobe (lobe_of_reverse).
  *
  * Through layers the way home is found by its launch elevation, and both echoes follow from cross-sections of tubes of
  * one steradian: A over O to X (mirrored_tube), A' from X straight to the sonar. With q the sound speed at X over that
@@ -339,7 +340,7 @@ __kernel void LEAST_WAVES(3)
 
 typedef struct bounce_store {
     __global const dev_ray *rays, *bounced, *returning;
-    __global const dev_hit *bounced_hits, *returning_hits;
+    __global const dev_hit *hits, *bounced_hits, *returning_hits;
     __global const float *solid_angles, *splats;
     __global const float4 *mirrors;
     __global const float *legs, *bounced_legs, *returning_legs;
@@ -470,6 +471,52 @@ static bounce_footprint bounce_footprints(const world *w, const bounce_way *way,
     return f;
 }
 
+/* What the facet law asks of the mirrors on the WAY: whether they follow it, their slopes and flat areas. */
+static law_lanes mirror_facets(const world *w, const bounce_store *store, const bounce_way *way) {
+    law_lanes l;
+    LANES {
+        uint source = store->bounced[AT(way->mirrors, const uint)].source;
+        uint material = source >> MIRROR_KIND_SHIFT == DEV_KIND_SURFACE ? w->ping->surface_material
+                                                                        : w->ping->bottom_material;
+        float flat_m2 = ASDIC_PLANE_M2;
+#if ASDIC_HAS_MESH
+        if ((source & MIRROR_IS_PLANE) == 0u) {
+            uint triangle = store->hits[source & MIRROR_SLOT_MASK].triangle;
+            __global const dev_triangle *t = w->triangles + triangle;
+            __global const dev_part *part = w->parts + t->part;
+            material = part->material;
+            flat_m2 = smooth_flat_m2(t, w->ping->wavelength_m, part->size_m2);
+        }
+#endif
+        __global const dev_material *c = (__global const dev_material *)w->materials + material;
+        AT(l.is_facet, int) = c->law == DEV_LAW_FACET ? -1 : 0;
+        AT(l.formula[0], float) = c->formula[0];
+        AT(l.coherent_area_m2, float) = c->formula[1] > 0.0f ? c->formula[1] : flat_m2;
+    }
+    return l;
+}
+
+/* Half of what turns BEFORE into AFTER, both of unit length; bistatic_wavelength. */
+static triple half_turn(triple after, triple before) {
+    triple turn = {R(0.5) * (after.x - before.x), R(0.5) * (after.y - before.y),
+                   R(0.5) * (after.z - before.z)};
+    return turn;
+}
+
+/* What the LOBE of X over a mirror O loses to that of O over X: of two that mirror and have lobes, S-O-X-S is met twice,
+ * with O as mirror and, in reverse, with X as one. TURN_O, TURN_X: half_turn at both. The wider lobe keeps more: a small
+ * plate lights little of a wall, and the whole wall's lobe would tell too much. */
+static real lobe_of_reverse(const world *w, const bounce_store *store, const bounce_way *way,
+                            const law_lanes *x, triple turn_x, triple turn_o, real lobe) {
+    law_lanes o = mirror_facets(w, store, way);
+    real narrow = slope_ms(&o, bistatic_wavelength(w, turn_o), way->cross_range) /
+                  slope_ms(x, bistatic_wavelength(w, turn_x), way->cross_range);
+    mask mirrors = way->m.kind == DEV_KIND_OBJECT;
+    mirrors |= (mask)(w->ping->boundary_mirrors != 0u ? -1 : 0);
+    real square = narrow * narrow;
+    return choose(o.is_facet & x->is_facet & mirrors, lobe * square / (R(1.0) + square), R(0.0));
+}
+
 /* The echoes of what ASDIC_WIDTH mirror rays met, by their ways back from SLOT on. */
 APART static uint shade_bounces(const world *w, const bounce_store *store, const sink *to,
                                 uint slot) {
@@ -525,9 +572,12 @@ APART static uint shade_bounces(const world *w, const bounce_store *store, const
     real sin_grazing = grazing(&way.m, way.v);
     weight *= share / sin_grazing;
     real same = choose(met, weight * share * s_in * way.same, R(0.0));
-    triple middle = {way.x.x - way.v.x, way.x.y - way.v.y, way.x.z - way.v.z};
+    triple middle = half_turn(way.x, way.v);
     real between =
         strength_between(w, &laws, &way.m, in, s_in, out, s_out, middle, way.cross_range);
+    real diffuse = laws.reflection2 * facet_diffuse_lin(in.sine, out.sine, laws.roughness_g);
+    between -=
+        lobe_of_reverse(w, store, &way, &laws, middle, half_turn(way.v, u), between - diffuse);
     real cross = choose(met, weight * between * way.cross, R(0.0));
     bounce_footprint spread = bounce_footprints(w, &way, splat, sin_grazing);
     real nearest = way.same_range * sin_grazing;
@@ -561,13 +611,14 @@ APART static uint shade_bounces(const world *w, const bounce_store *store, const
 __kernel void LEAST_WAVES(3)
     bounce(__global const dev_ping *pings, __global const dev_ray *rays,
            __global const float *solid_angles, __global const float *splats,
-           __global const dev_ray *bounced, __global const dev_hit *bounced_hits,
-           __global const dev_ray *returning, __global const dev_hit *returning_hits,
-           __global const float4 *mirrors, __global const dev_triangle *triangles,
-           __global const dev_part *parts, __global const uint *materials,
-           __global dev_arrival *arrivals, __global long *accumulator, __global uint *saturated,
-           __global const dev_truth_row *rows, __global long *truth, __global const float *legs,
-           __global const float *bounced_legs, __global const float *returning_legs) {
+           __global const dev_hit *hits, __global const dev_ray *bounced,
+           __global const dev_hit *bounced_hits, __global const dev_ray *returning,
+           __global const dev_hit *returning_hits, __global const float4 *mirrors,
+           __global const dev_triangle *triangles, __global const dev_part *parts,
+           __global const uint *materials, __global dev_arrival *arrivals,
+           __global long *accumulator, __global uint *saturated, __global const dev_truth_row *rows,
+           __global long *truth, __global const float *legs, __global const float *bounced_legs,
+           __global const float *returning_legs) {
     __global const dev_ping *ping = row_ping(pings);
     size_t own = row_slots(ping);
     returning += own;
@@ -576,10 +627,10 @@ __kernel void LEAST_WAVES(3)
     world w = {ping, beams_of(ping), triangles, parts, materials, 0};
     sink to = {row_cells(ping, accumulator), arrivals + ARRIVAL_SETS * own, truth_rows(ping, rows),
                truth + (size_t)(ping->sums.truth_first) * ping->sums.truth_columns};
-    bounce_store store = {rays + own,         bounced + own,        returning,
-                          bounced_hits + own, returning_hits + own, solid_angles + own,
-                          splats + own,       mirrors + own,        legs,
-                          bounced_legs,       returning_legs};
+    bounce_store store = {
+        rays + own,           bounced + own,      returning,    hits + own,    bounced_hits + own,
+        returning_hits + own, solid_angles + own, splats + own, mirrors + own, legs,
+        bounced_legs,         returning_legs};
 #if ASDIC_LAYERS
     store.legs += DEV_LEG_FLOATS * own;
     store.bounced_legs += DEV_LEG_FLOATS * own;

@@ -139,17 +139,27 @@ static asdic_status run_bounces(asdic_simulator *sim, size_t count) {
                                   ASDIC_ARG_VALUE(layers),
                                   ASDIC_ARG_BUFFER(sim->buffers.bounced_legs),
                                   ASDIC_ARG_BUFFER(sim->buffers.returning_legs)};
-    asdic_kernel_arg bounce[] = {
-        ASDIC_ARG_BUFFER(sim->buffers.pings),        ASDIC_ARG_BUFFER(sim->buffers.rays),
-        ASDIC_ARG_BUFFER(sim->buffers.solid_angles), ASDIC_ARG_BUFFER(sim->buffers.splats),
-        ASDIC_ARG_BUFFER(sim->buffers.bounced),      ASDIC_ARG_BUFFER(sim->buffers.bounced_hits),
-        ASDIC_ARG_BUFFER(sim->buffers.returning),    ASDIC_ARG_BUFFER(sim->buffers.returning_hits),
-        ASDIC_ARG_BUFFER(sim->buffers.mirrors),      ASDIC_ARG_BUFFER(triangles),
-        ASDIC_ARG_BUFFER(sim->buffers.parts),        ASDIC_ARG_BUFFER(sim->buffers.materials),
-        ASDIC_ARG_BUFFER(sim->buffers.arrivals),     ASDIC_ARG_BUFFER(sim->buffers.accumulator),
-        ASDIC_ARG_BUFFER(sim->buffers.saturated),    ASDIC_ARG_BUFFER(sim->truth.table_buffer),
-        ASDIC_ARG_BUFFER(truth_cells(sim)),          ASDIC_ARG_BUFFER(sim->buffers.legs),
-        ASDIC_ARG_BUFFER(sim->buffers.bounced_legs), ASDIC_ARG_BUFFER(sim->buffers.returning_legs)};
+    asdic_kernel_arg bounce[] = {ASDIC_ARG_BUFFER(sim->buffers.pings),
+                                 ASDIC_ARG_BUFFER(sim->buffers.rays),
+                                 ASDIC_ARG_BUFFER(sim->buffers.solid_angles),
+                                 ASDIC_ARG_BUFFER(sim->buffers.splats),
+                                 ASDIC_ARG_BUFFER(sim->buffers.hits),
+                                 ASDIC_ARG_BUFFER(sim->buffers.bounced),
+                                 ASDIC_ARG_BUFFER(sim->buffers.bounced_hits),
+                                 ASDIC_ARG_BUFFER(sim->buffers.returning),
+                                 ASDIC_ARG_BUFFER(sim->buffers.returning_hits),
+                                 ASDIC_ARG_BUFFER(sim->buffers.mirrors),
+                                 ASDIC_ARG_BUFFER(triangles),
+                                 ASDIC_ARG_BUFFER(sim->buffers.parts),
+                                 ASDIC_ARG_BUFFER(sim->buffers.materials),
+                                 ASDIC_ARG_BUFFER(sim->buffers.arrivals),
+                                 ASDIC_ARG_BUFFER(sim->buffers.accumulator),
+                                 ASDIC_ARG_BUFFER(sim->buffers.saturated),
+                                 ASDIC_ARG_BUFFER(sim->truth.table_buffer),
+                                 ASDIC_ARG_BUFFER(truth_cells(sim)),
+                                 ASDIC_ARG_BUFFER(sim->buffers.legs),
+                                 ASDIC_ARG_BUFFER(sim->buffers.bounced_legs),
+                                 ASDIC_ARG_BUFFER(sim->buffers.returning_legs)};
     size_t pieces = piece_count(sim), local = piece_local(sim);
     const asdic_kernels *kernels = &sim->kernels;
     const asdic_buffers *buffers = &sim->buffers;

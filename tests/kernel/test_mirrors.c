@@ -4,6 +4,7 @@
 #include "laws/scatterer.h"
 
 #include "kernels/backscatter.h"
+#include "kernels/target.h"
 
 /* A mirror 10 m ahead, turned by YAW, shows a sphere that lies behind the sonar's face. Without
  * the mirror and with the sphere at its image, the direct echo must be the same. */
@@ -185,8 +186,9 @@ static double ball_lin(double radius_m, double out_m, double back_m, double turn
     return rho1 * rho2 / ((rho1 + back_m) * (rho2 + back_m)) / (out_m * out_m);
 }
 
-/* A polished ball below a calm surface glints midway between the straight way and that over the surface. */
-static void a_polished_ball_glints_over_a_calm_surface(void **state) {
+/* A polished ball below a calm surface glints midway between the straight way and that over the surface; beside a wall,
+ * which it mirrors as well as that mirrors it, no louder. */
+static void a_polished_ball_glints_over_a_mirror(void **state) {
     (void)state;
     const double radius_m = 1.5, depth_m = 3.0, ahead_m = 12.0;
     /* At high frequencies the glint of a ball without slopes is too small for so many rays. */
@@ -202,11 +204,12 @@ static void a_polished_ball_glints_over_a_calm_surface(void **state) {
         turn = to_image - to_sonar;
         *(to_image - e > e - to_sonar ? &low : &high) = e;
     }
-    for (int k = 0; k < 2; k++) {
+    for (int k = 0; k < 4; k++) {
+        bool wall = k >= 2;
         target_rig r = open_sea(20.0);
-        double alpha = asdic_environment_absorption_db_per_km(&r.env, frequency_hz[k], depth_m);
+        double alpha = asdic_environment_absorption_db_per_km(&r.env, frequency_hz[k % 2], depth_m);
         r.env.wind_speed_kn = 0.0;
-        r.sonar.frequency_hz = frequency_hz[k];
+        r.sonar.frequency_hz = frequency_hz[k % 2];
         r.sonar.transmitter.length_h_m = r.sonar.transmitter.length_v_m = 1e-4;
         r.receiver = r.sonar.transmitter;
         r.sampling.multipath = ASDIC_MULTIPATH_BOUNDARIES;
@@ -214,11 +217,15 @@ static void a_polished_ball_glints_over_a_calm_surface(void **state) {
         r.sampling.rays = 1 << 20;
         r.pose.position_m.z = depth_m;
         r.sonar.bin_length_m = 0.1;
-        asdic_scene_set_surface(r.scene, true);
+        asdic_scene_set_surface(r.scene, !wall);
+        if (wall) {
+            add_plate(&r, 60.0, 60.0, (asdic_vec3){ahead_m, depth_m, depth_m - 100.0}, 90.0,
+                      mirror());
+        }
         asdic_mesh *mesh = NULL;
         assert_ok(t.ctx, asdic_mesh_sphere(t.ctx, radius_m, 128, &mesh));
         add(&r, mesh, (asdic_vec3){ahead_m, 0.0, depth_m - 100.0}, 0.0, 0.0,
-            asdic_material_facet(0.0, 0.0, slope_rms[k]));
+            asdic_material_facet(0.0, 0.0, slope_rms[k % 2]));
         asdic_ping *ping = shoot_many(&r, 4);
         double middle = 0.5 * (out_m + back_m), same = hypot(2.0 * depth_m, ahead_m) - radius_m;
         double got = energy(ping, ASDIC_MULTIPATH, 0.0, 0.5 * (middle + same));
@@ -227,12 +234,83 @@ static void a_polished_ball_glints_over_a_calm_surface(void **state) {
                       pow(10.0, -0.2e-3 * alpha * (middle - 1.0));
         double want_twice =
             ball_lin(radius_m, same, same, 0.0) * pow(10.0, -0.2e-3 * alpha * (same - 1.0));
-        print_message(
-            "%g kHz: %.2f dB, %.2f expected; there and back over the surface %.2f, %.2f\n",
-            1e-3 * frequency_hz[k], db(got), db(want), db(twice), db(want_twice));
+        print_message("%g kHz: %.2f dB, %.2f expected; there and back over the mirror %.2f, %.2f\n",
+                      1e-3 * frequency_hz[k % 2], db(got), db(want), db(twice), db(want_twice));
         assert_close(db(got), db(want), 0.3);
         assert_close(db(twice), db(want_twice), 0.3);
         asdic_ping_destroy(&ping);
+        target_rig_destroy(&r);
+    }
+}
+
+/* A sonar that is alike to all sides near its axis, SINE of the angle below which it looks up to a calm surface; 0: none. */
+static target_rig far_sonar(double range_m, double sine) {
+    target_rig r = target_rig_create(&t, FREQUENCY_HZ, 1.2 * range_m, 0.06);
+    r.sampling.multipath = sine > 0.0 ? ASDIC_MULTIPATH_BOUNDARIES : ASDIC_MULTIPATH_FIRST;
+    r.sampling.rays = 1 << 17;
+    r.env.wind_speed_kn = 0.0;
+    r.pose.pitch_rad = asin(sine);
+    r.pose.position_m.z = sine > 0.0 ? range_m * sine : 100.0;
+    asdic_scene_set_surface(r.scene, sine > 0.0);
+    return r;
+}
+
+/* What R hears by way of mirrors, as a target strength at RANGE_M. */
+static double mirrored_db(target_rig *r, double range_m) {
+    asdic_ping *ping = shoot(r);
+    double strength_db =
+        target_rig_strength_db(r, energy(ping, ASDIC_MULTIPATH, 0.0, INFINITY), range_m);
+    asdic_ping_destroy(&ping);
+    return strength_db;
+}
+
+/* Two ways of an aperture of AREA_M2, as energies. */
+static double two_ways_db(double area_m2) {
+    return db(2.0 * plate_strength_lin(area_m2, SPEED_MPS / FREQUENCY_HZ));
+}
+
+/* An upright plate just beneath a calm surface, looked up at under an angle: over the surface it returns what its height
+ * covers of the wave, A cos i. */
+static void a_plate_below_calm_water_is_seen_slanting(void **state) {
+    (void)state;
+    const double side_m = 0.2, range_m = 120.0;
+    for (double angle_deg = 30.0; angle_deg < 61.0; angle_deg += 15.0) {
+        double sine = sin(angle_deg * DEGREE), cosine = cos(angle_deg * DEGREE);
+        target_rig r = far_sonar(range_m, sine);
+        add_plate(&r, side_m, side_m,
+                  (asdic_vec3){range_m * cosine, 0.0, 0.5 * side_m + 1e-3 - 100.0}, 0.0, mirror());
+        double got_db = mirrored_db(&r, range_m), want_db = two_ways_db(side_m * side_m * cosine);
+        print_message("plate at %g degrees: %.2f dB, %.2f expected\n", angle_deg, got_db, want_db);
+        assert_close(got_db, want_db, 0.3);
+        target_rig_destroy(&r);
+    }
+}
+
+/* Two plates of HEIGHT_M that meet at a right angle, the first of which is seen under ANGLE_DEG to its normal: what comes
+ * back over both is as wide as the wave that both cover, met by way of either. */
+static void plates_at_a_right_angle_return_as_one_aperture(void **state) {
+    (void)state;
+    static const struct {
+        double angle_deg, width_m[2];
+    } cases[] = {{45.0, {0.3, 0.3}}, {30.0, {0.3, 0.3}}, {20.0, {0.3, 0.3}}, {45.0, {0.3, 2.0}}};
+    const double range_m = 100.0, height_m = 0.3;
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        target_rig r = far_sonar(range_m, 0.0);
+        double least_m = INFINITY;
+        for (int p = 0; p < 2; p++) {
+            double side = p ? -1.0 : 1.0, width_m = cases[k].width_m[p];
+            double angle_deg = p ? 90.0 - cases[k].angle_deg : cases[k].angle_deg;
+            double x = -sin(angle_deg * DEGREE), y = side * cos(angle_deg * DEGREE);
+            add_plate(&r, width_m, height_m,
+                      (asdic_vec3){range_m + 0.5 * width_m * x, 0.5 * width_m * y, 0.0},
+                      atan2(y, x) / DEGREE - 90.0, mirror());
+            least_m = fmin(least_m, width_m * fabs(y));
+        }
+        double got_db = mirrored_db(&r, range_m), want_db = two_ways_db(least_m * height_m);
+        print_message("plates of %g and %g m at %g degrees: %.2f dB, %.2f expected\n",
+                      cases[k].width_m[0], cases[k].width_m[1], cases[k].angle_deg, got_db,
+                      want_db);
+        assert_close(got_db, want_db, 0.5);
         target_rig_destroy(&r);
     }
 }
@@ -281,7 +359,9 @@ int main(void) {
         cmocka_unit_test(a_flat_mirror_shows_the_unfolded_scene),
         cmocka_unit_test(a_curved_mirror_spreads_what_returns),
         cmocka_unit_test(a_calm_surface_shows_the_unfolded_scene),
-        cmocka_unit_test(a_polished_ball_glints_over_a_calm_surface),
+        cmocka_unit_test(a_polished_ball_glints_over_a_mirror),
+        cmocka_unit_test(a_plate_below_calm_water_is_seen_slanting),
+        cmocka_unit_test(plates_at_a_right_angle_return_as_one_aperture),
         cmocka_unit_test(a_small_ball_is_heard_over_a_calm_surface),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
