@@ -43,7 +43,7 @@ static uint count_cut(const world *w, real quanta) {
 /* Of the arrivals of SET, those of the lanes ON. Nothing without TO, or where nobody asks. */
 static truth_parts truth_of_set(const world *w, __global const dev_arrival *set, mask on,
                                 const truth_sink *to) {
-    truth_parts none = {(natural)(0u), (natural)(0u), (natural)(0u), R(0.0), R(0.0)};
+    truth_parts none = {(natural)(0u), (natural)(0u), (natural)(0u), (natural)(0u), R(0.0)};
     natural words, first;
     if (!ASDIC_TRUTH || !to || w->ping->sums.truth_rows == 0u) {
         return none;
@@ -58,21 +58,16 @@ static truth_parts truth_of_set(const world *w, __global const dev_arrival *set,
 
 /* That of one arrival, and where it goes. */
 typedef struct truth_part {
-    uint echoes, before, row;
-    float weight, dither;
+    uint echoes, before, row, salt;
+    float weight;
     const truth_sink *to;
 } truth_part;
 
 static truth_part truth_of_lane(const truth_parts *t, uint lane, const truth_sink *to) {
     truth_part part = {AT(t->echoes, const uint),  AT(t->before, const uint),
-                       AT(t->row, const uint),     AT(t->weight, const float),
-                       AT(t->dither, const float), to};
+                       AT(t->row, const uint),     AT(t->salt, const uint),
+                       AT(t->weight, const float), to};
     return part;
-}
-
-/* QUANTA times the weight, for the row of depressions. */
-static wholes moment_of(const world *w, const truth_part *t, real quanta) {
-    return to_wholes(TRUTH_MOMENT(quanta, t->weight, t->dither, (real)(w->ping->sums.limit)));
 }
 
 /* Adds an echo in row AT of the accumulator: WHOLE and its MOMENT. */
@@ -101,12 +96,13 @@ static uint add_arrival(const world *w, __global const dev_arrival *arrival, __g
             continue;
         }
         real quanta = gain * arriving;
-        wholes whole = to_wholes(deposited_quanta(quanta, limit));
+        real counted = deposited_quanta(quanta, limit);
+        wholes whole = to_wholes(counted);
         __global long *at = cells + (size_t)(arrival->row[c]) * w->ping->sums.columns + first;
         store_wholes(load_wholes(0, at) + whole, 0, at);
         cut += count_cut(w, quanta);
         if (ASDIC_TRUTH && c < t->echoes) {
-            add_truth(w, t, arrival->row[c], whole, moment_of(w, t, quanta));
+            add_truth(w, t, arrival->row[c], whole, to_wholes(TRUTH_MOMENT(quanta, counted, t)));
         }
     }
     return cut;
@@ -148,12 +144,14 @@ static uint add_arrival_to_four(const world *w, __global const dev_arrival *arri
     for (uint c = 0; c < MAX_ARRIVALS; c += 2u) {
         float2 arriving = vload2(0, arrival->quanta + c);
         real quanta = gain.xyzwxyzw * arriving.xxxxyyyy;
-        wholes whole = to_wholes(deposited_quanta(quanta, (real)(w->ping->sums.limit)));
+        real counted = deposited_quanta(quanta, (real)(w->ping->sums.limit));
+        wholes whole = to_wholes(counted);
         add_to_four(cells + (size_t)(arrival->row[c]) * 4u,
                     cells + (size_t)(arrival->row[c + 1u]) * 4u, whole);
         cut += count_cut(w, quanta);
         if (ASDIC_TRUTH && c < t->echoes && (arriving.x > 0.0f || arriving.y > 0.0f)) {
-            add_truth_to_four(w, t, vload2(0, arrival->row + c), whole, moment_of(w, t, quanta));
+            add_truth_to_four(w, t, vload2(0, arrival->row + c), whole,
+                              to_wholes(TRUTH_MOMENT(quanta, counted, t)));
         }
     }
     return cut;

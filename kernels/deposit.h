@@ -37,16 +37,19 @@ static inline void deposit_sum_crossings(__global long *water, uint bins, uint c
     }
 }
 
-/* Energies to whole quanta from 0 to LIMIT. Below 65536 quanta an energy is rounded up as often as its
- * fraction says, by a hash of its own bits: many rays of less than a quantum each then add up to what they
- * are worth, and the bytes repeat. */
-static inline real whole_quanta(real quanta, real limit) {
-    real whole = r_rint(r_min(quanta, limit));
-    natural hash = as_natural(quanta) * (natural)(2654435769u);
+/* From 0 to 1, by a hash of BITS: what is added before a fraction is cut off, so that it is rounded up as often as it
+ * says. Many rays of less than a quantum each then add up to what they are worth, and the bytes repeat. */
+static inline real dithers(natural bits) {
+    natural hash = bits * (natural)(2654435769u);
     hash = (hash ^ (hash >> 15)) * (natural)(2246822519u);
     hash ^= hash >> 13;
-    whole =
-        choose(quanta < R(65536.0), r_floor(quanta + to_real(hash >> 8) * R(5.9604645e-8)), whole);
+    return to_real(hash >> 8) * R(5.9604645e-8);
+}
+
+/* Energies to whole quanta from 0 to LIMIT. Below 65536 quanta an energy is dithered by its own bits. */
+static inline real whole_quanta(real quanta, real limit) {
+    real whole = r_rint(r_min(quanta, limit));
+    whole = choose(quanta < R(65536.0), r_floor(quanta + dithers(as_natural(quanta))), whole);
     return choose(whole > R(0.0), whole, R(0.0));
 }
 

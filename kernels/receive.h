@@ -77,8 +77,8 @@ typedef struct truth_sink {
 /* What truth takes of the arrivals of a vector of rays: the first ECHOES deposits of each, all of one component, whose
  * first row is BEFORE. */
 typedef struct truth_parts {
-    natural echoes, before, row;
-    real weight, dither;
+    natural echoes, before, row, salt;
+    real weight;
 } truth_parts;
 
 /* Of arrivals with WORDS, whose first deposits go to ROWS; what comes from the water has no place. */
@@ -91,22 +91,24 @@ static truth_parts truth_of(__global const dev_ping *ping, natural words, natura
     t.before = component * (natural)(ping->sums.component_rows);
     t.row = words >> 1u & (natural)((1u << DEV_TRUTH_ROW_BITS) - 1u);
     t.weight = truth_weights(ping, component, words);
-    t.dither = truth_dithers(words);
+    t.salt = truth_salts(words);
     return t;
 }
 
-/* The quanta of a deposit times its weight, for the row of depressions. */
-#define TRUTH_MOMENT(quanta, weight, dither, limit) (r_min((quanta) * (weight), limit) + (dither))
+/* For the row of depressions the weight of a deposit of QUANTA times what of it counts, which are WHOLE ones: where these
+ * are few, both are then wrong alike, and their ratio is not. */
+#define TRUTH_MOMENT(quanta, whole, t)                                                             \
+    ((whole) * (t)->weight + dithers(as_natural(quanta) ^ (t)->salt))
 
 /* Adds deposit C of each ray, QUANTA and those as WHOLE ones, which go to ROWS. */
 static void add_truth_column(const world *w, truth_sink to, const truth_parts *t, uint c,
                              natural rows, real quanta, real whole) {
     natural bins = rows - t->before, besides = t->row, echoes = t->echoes;
-    mask heard = (echoes > (natural)(c)) & (quanta > R(0.0));
+    mask heard = (echoes > (natural)(c)) & (whole > R(0.0));
     if (!any_true(heard)) {
         return;
     }
-    real moment = TRUTH_MOMENT(quanta, t->weight, t->dither, (real)(w->ping->sums.limit));
+    real moment = TRUTH_MOMENT(quanta, whole, t);
     LANES {
         if (AT(heard, int) == 0) {
             continue;

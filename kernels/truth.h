@@ -51,10 +51,10 @@ static inline real truth_weights(__global const dev_ping *ping, natural componen
     return ratio * sine;
 }
 
-/* 0 to 1, by a hash of the words without the bit that says whether others follow: what is added to quanta before
- * their fraction is cut off, so that small ones are worth in the sum what they are worth. */
-static inline real truth_dithers(natural words) {
-    return to_real((words | 1u) * 2654435769u >> 8) * R(5.9604645e-8);
+/* What tells the dithers of arrivals with WORDS from those of their quanta: by the bits but that which says whether others
+ * follow. */
+static inline natural truth_salts(natural words) {
+    return (words | 1u) * 2654435769u;
 }
 
 /* A row of sums holds components behind each other, see ping_types.h. */

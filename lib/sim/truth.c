@@ -121,14 +121,16 @@ static size_t place_rows(const asdic_simulator *sim, const asdic_ping_shot *shot
     return cells;
 }
 
-/* Depressions of all components are summed in the coarsest of their scales. */
+/* Depressions of all components are summed in one scale, twice the coarsest of those that there are: what comes from
+ * straight ahead then counts one for one. */
 static void scale_depressions(const asdic_simulator *sim, dev_sums *sums) {
-    float least = FLT_MAX;
+    float least = FLT_MAX / 2.0f; /* nothing echoes */
     for (size_t c = 0; c < sim->setup.components; c++) {
-        least = c == DEV_DEPOSIT_VOLUME ? least : fminf(least, sums->scale[c]);
+        bool echoes = c != DEV_DEPOSIT_VOLUME && (sums->present & 1u << c);
+        least = echoes ? fminf(least, sums->scale[c]) : least;
     }
     for (size_t c = 0; c < sim->setup.components; c++) {
-        sums->truth_ratio[c] = c == DEV_DEPOSIT_VOLUME ? 0.0f : least / sums->scale[c];
+        sums->truth_ratio[c] = c == DEV_DEPOSIT_VOLUME ? 0.0f : 2.0f * least / sums->scale[c];
     }
 }
 

@@ -458,6 +458,52 @@ static void fans_tell_depressions(void **state) {
     rig_destroy(&r);
 }
 
+/* A ball of a millimetre beside one that glints, ahead and 17 degrees below, without mirrors and with: its rays are worth a
+ * small part of a quantum each, and it is heard from where it is all the same. */
+static void faint_objects_keep_their_depression(void **state) {
+    (void)state;
+    static const double ball_m[] = {0.3, 0.001};
+    for (int i = 0; i < 4; i++) {
+        const kind k = {.beams = 3,
+                        .bandwidth_hz = 10e3,
+                        .multipath = i / 2 ? ASDIC_MULTIPATH_FIRST : ASDIC_MULTIPATH_OFF};
+        const asdic_vec3 at[] = {{20.15, 0.0, 2.0}, {25.15, 0.0, i % 2 ? 14.7 : 7.0}};
+        ping_rig r = rig_create(&t);
+        asdic_scene_destroy(&r.scene);
+        assert_ok(t.ctx, asdic_scene_create(t.ctx, &r.scene));
+        asdic_scene_set_surface(r.scene, false);
+        for (int s = 0; s < 2; s++) {
+            asdic_mesh *mesh = NULL;
+            assert_ok(t.ctx, asdic_mesh_sphere(t.ctx, ball_m[s], 64, &mesh));
+            assert_ok(t.ctx, asdic_scene_add_object(r.scene, s ? "faint" : "loud", mesh,
+                                                    (asdic_pose){.position_m = at[s]},
+                                                    asdic_material_facet(0.0, 0.0, 0.0)));
+            asdic_mesh_destroy(&mesh);
+        }
+        r.env.particle_strength_db = -200.0;
+        r.sonar.transmitter.length_h_m = r.sonar.transmitter.length_v_m = 0.004;
+        r.sampling.multipath = k.multipath;
+        r.sampling.rays = 200000;
+        for (size_t b = 0; b < k.beams; b++) {
+            r.receivers[b] = r.sonar.transmitter;
+        }
+        asdic_ping *p = shoot(&r, &k, true);
+        size_t told = 0;
+        for (size_t n = 0; n < p->bins; n++) {
+            if (p->truth->object[n] == 2) {
+                double wanted = atan2(at[1].z - 7.0, at[1].x);
+                print_message("multipath %d: from %.4f rad below, %.4f expected\n", i / 2,
+                              (double)p->truth->depression_rad[n], wanted);
+                assert_close(p->truth->depression_rad[n], wanted, i / 2 ? 0.15 : 0.06);
+                told++;
+            }
+        }
+        assert_true(told > 0);
+        asdic_ping_destroy(&p);
+        rig_destroy(&r);
+    }
+}
+
 /* --- paths, and who may ask ------------------------------------------------------------------- */
 
 /* Where only one thing mirrors, all multipath is by way of it; a point is heard over boundaries, too. */
@@ -550,6 +596,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test(one_receiver_a_work_item_is_told_the_same),
         cmocka_unit_test(any_number_of_beams_is_told),
         cmocka_unit_test(spheres_are_as_summed_by_hand),
+        cmocka_unit_test(faint_objects_keep_their_depression),
         cmocka_unit_test(fans_tell_depressions),
         cmocka_unit_test(mirrors_are_told_apart),
         cmocka_unit_test(a_pulse_at_the_end_arrives_from_its_object),
