@@ -14,7 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A face that looks away keeps this share: it may come into view before the block of pings ends. */
+/* A body's face that looks away keeps this share: it may come into view before the block of pings ends. */
 #define AWAY 0.02
 /* A face far off the beams keeps at least this share. */
 #define OFF_BEAM 0.05
@@ -107,7 +107,8 @@ static view look(const asdic_eye *e, const dev_triangle *t, const asdic_part *pa
             asdic_vec3 towards = {way.r.u.x, way.r.u.y, way.r.u.z};
             gain = sqrt(asdic_aim_envelope(e->aimed, ping->beams, towards));
         }
-        bool seen = asdic_vec3_dot(to, corner(t->normal)) < 0.0;
+        bool seen =
+            part->outward == 0 || part->outward * asdic_vec3_dot(to, corner(t->normal)) < 0.0;
         v.weight = v.area_m2 * (seen ? 1.0 : AWAY) * fmax(gain, OFF_BEAM);
         v.strength_lin = strength_of(e, t, part, asdic_vec3_add(a, inward),
                                      ray_direction(&way.r, distance), distance, reach);

@@ -8,6 +8,7 @@
 #include "target_rig.h"
 
 #include "base/vec.h"
+#include "scene/triangles.h"
 
 #include <math.h>
 
@@ -60,7 +61,47 @@ static void rays_at_faces_add_up(void **state) {
     rig_destroy(&r);
 }
 
-/* Without objects no rays are aimed at faces. */
+/* Shares of the aimed rays by triangle, of a block and a plate beside it, as wound or TURNED inside out. */
+static void share_faces(bool turned, float density[14]) {
+    ping_rig r = rig_create(&t);
+    asdic_mesh *meshes[2];
+    assert_ok(t.ctx, asdic_mesh_box(t.ctx, (asdic_vec3){8.0, 6.0, 3.0}, &meshes[0]));
+    assert_ok(t.ctx, asdic_mesh_plate(t.ctx, 8.0, 6.0, &meshes[1]));
+    for (int m = 0; m < 2; m++) {
+        uint32_t *f = meshes[m]->indices;
+        for (size_t i = 0; turned && i < meshes[m]->triangle_count; i++) {
+            uint32_t second = f[3 * i + 1];
+            f[3 * i + 1] = f[3 * i + 2];
+            f[3 * i + 2] = second;
+        }
+        asdic_pose pose = {.position_m = {9.0, 8.0 * m, 6.0}, .yaw_rad = 0.3};
+        assert_ok(t.ctx, asdic_scene_add_object(r.scene, m ? "plate" : "block", meshes[m], pose,
+                                                asdic_material_facet(45.0, 1e-3, 0.2)));
+        asdic_mesh_destroy(&meshes[m]);
+    }
+    asdic_simulator *sim = rig_simulator(&r);
+    assert_ok(t.ctx, asdic_simulator_learn(sim, &r.pose, 0));
+    assert_int_equal(sim->setup.scene->triangle_count, 14);
+    memcpy(density, sim->learnt.faces.density, 14 * sizeof *density);
+    asdic_simulator_destroy(&sim);
+    rig_destroy(&r);
+}
+
+/* A face gets as many rays whichever way it is wound: a body's outside is known, and a sheet has none. */
+static void faces_get_rays_however_they_are_wound(void **state) {
+    (void)state;
+    float outwards[14], inwards[14], most = 0.0f;
+    share_faces(false, outwards);
+    share_faces(true, inwards);
+    for (int i = 0; i < 14; i++) {
+        print_message("triangle %2d: %.6f outwards, %.6f inwards\n", i, (double)outwards[i],
+                      (double)inwards[i]);
+        assert_close_relative(inwards[i], outwards[i], 1e-4);
+        most = fmaxf(most, outwards[i]);
+    }
+    assert_true(outwards[12] > 0.1f * most && outwards[13] > 0.1f * most);
+}
+
 /* What rays of SAMPLER hear of a wall of 30 m by 3 m, 38 m ahead, that stands below a thermocline. */
 static double heard_of_a_wall(asdic_sampler sampler, unsigned rays) {
     ping_rig r = rig_create(&t);
@@ -126,6 +167,7 @@ static void ends_of_long_bodies_fade(void **state) {
     rig_destroy(&r);
 }
 
+/* Without objects no rays are aimed at faces. */
 static void a_floor_alone_has_no_faces(void **state) {
     (void)state;
     ping_rig r = rig_create(&t);
@@ -225,6 +267,7 @@ int main(void) {
     t = test_device_open_or_skip();
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(rays_at_faces_add_up),
+        cmocka_unit_test(faces_get_rays_however_they_are_wound),
         cmocka_unit_test(a_wall_in_layers_is_heard_whole),
         cmocka_unit_test(ends_of_long_bodies_fade),
         cmocka_unit_test(a_floor_alone_has_no_faces),

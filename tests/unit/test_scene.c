@@ -6,6 +6,7 @@
 #include "lib/base/vec.h"
 #include "lib/scene/bvh.h"
 #include "lib/scene/lifted.h"
+#include "lib/scene/place.h"
 #include "lib/scene/placement.h"
 #include "lib/scene/scene.h"
 #include "lib/scene/triangles.h"
@@ -35,6 +36,39 @@ static double volume_m3(const asdic_mesh *mesh) {
                            asdic_vec3_cross(mesh_corner(mesh, i, 1), mesh_corner(mesh, i, 2)));
     }
     return volume / 6.0;
+}
+
+/* How asdic_place_outward finds MESH, its last CUT facets left out, wound as it is or the other way round; destroys it. */
+static int outward_of(asdic_mesh *mesh, size_t cut, bool turned) {
+    size_t count = mesh->triangle_count - cut;
+    double *world_m = malloc(9 * count * sizeof *world_m);
+    for (size_t i = 0; i < 3 * count; i++) {
+        asdic_vec3 v = mesh_corner(mesh, i / 3, turned ? 2 - (int)(i % 3) : (int)(i % 3));
+        world_m[3 * i] = v.x + 1e6;
+        world_m[3 * i + 1] = v.y;
+        world_m[3 * i + 2] = v.z;
+    }
+    int outward = asdic_place_outward(world_m, count, (asdic_vec3){1e6, 0.0, 0.0});
+    free(world_m);
+    asdic_mesh_destroy(&mesh);
+    return outward;
+}
+
+static void bodies_have_an_outside_and_sheets_have_none(void **state) {
+    (void)state;
+    for (int turned = 0; turned < 2; turned++) {
+        asdic_mesh *box, *holed, *sphere, *open, *plate;
+        check(asdic_mesh_box(ctx, (asdic_vec3){2.0, 3.0, 5.0}, &box));
+        check(asdic_mesh_sphere(ctx, 2.0, 200, &sphere));
+        check(asdic_mesh_sphere(ctx, 2.0, 200, &holed));
+        check(asdic_mesh_box(ctx, (asdic_vec3){2.0, 3.0, 5.0}, &open));
+        check(asdic_mesh_plate(ctx, 2.0, 3.0, &plate));
+        assert_int_equal(outward_of(box, 0, turned), turned ? -1 : 1);
+        assert_int_equal(outward_of(sphere, 0, turned), turned ? -1 : 1);
+        assert_int_equal(outward_of(holed, 1, turned), turned ? -1 : 1);
+        assert_int_equal(outward_of(open, 2, turned), 0);
+        assert_int_equal(outward_of(plate, 0, turned), 0);
+    }
 }
 
 static void primitives_are_closed_and_look_outward(void **state) {
@@ -568,6 +602,7 @@ static void threads_do_not_show(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(primitives_are_closed_and_look_outward),
+        cmocka_unit_test(bodies_have_an_outside_and_sheets_have_none),
         cmocka_unit_test(primitives_refuse_nonsense),
         cmocka_unit_test(arrays_are_checked),
         cmocka_unit_test(placing_keeps_precision_far_out),
