@@ -35,6 +35,12 @@ FORMULA real sinc2(real x) {
     return amplitude * amplitude;
 }
 
+/* -1 where sin(pi x) / (pi x) is negative, in every other side lobe; else 1. */
+FORMULA real sinc_sign(real x) {
+    real turns = R(0.5) * r_abs(x);
+    return choose(turns < (turns + ROUNDER) - ROUNDER, R(-1.0), R(1.0));
+}
+
 /* One-way intensity re on-axis in the direction of the unit vector (VX, VY, VZ) of the face's own
  * frame: x out of the face, y along LENGTH_H, z along LENGTH_V, lengths in wavelengths.
  *

@@ -2,8 +2,8 @@
  * Coherent pings: the pressure at the elements of an array, from scatterers that stay where they are in the
  * world. What host and device share: the structs, and the formulas of phase, pulse and chance.
  *
- * A scatterer at P with the amplitude a (its square is the energy E of an echo, receivers left out) and the
- * circular Gaussian factor z gives element e the pressure, as baseband,
+ * A scatterer at P with the amplitude a (its square is the energy E of an echo at an element; its sign, that
+ * of both faces' lobes) and the circular Gaussian factor z gives element e the pressure, as baseband,
  *
  *     p_e(r) = a z s(r - (t + r_e) / 2) exp(-2 pi i (t + r_e) / lambda),
  *

@@ -493,13 +493,19 @@ static real mirrored(const world *w, const law_lanes *l, const meeting *m, slant
     return share;
 }
 
+/* A direction of the world in the frame of a face. */
+static triple in_face(__global const float *rows, triple u) {
+    triple v = {rows[0] * u.x + rows[1] * u.y + rows[2] * u.z,
+                rows[3] * u.x + rows[4] * u.y + rows[5] * u.z,
+                rows[6] * u.x + rows[7] * u.y + rows[8] * u.z};
+    return v;
+}
+
 /* One-way gain of an aperture towards a world direction. */
 static real gain_towards(__global const dev_ping *ping, __global const dev_beam *beam, real ux,
                          real uy, real uz) {
-    real vx = beam->rows[0] * ux + beam->rows[1] * uy + beam->rows[2] * uz;
-    real vy = beam->rows[3] * ux + beam->rows[4] * uy + beam->rows[5] * uz;
-    real vz = beam->rows[6] * ux + beam->rows[7] * uy + beam->rows[8] * uz;
-    return beam_pattern_lin(vx, vy, vz, (real)(beam->length_h_wl), (real)(beam->length_v_wl),
+    triple u = {ux, uy, uz}, v = in_face(beam->rows, u);
+    return beam_pattern_lin(v.x, v.y, v.z, (real)(beam->length_h_wl), (real)(beam->length_v_wl),
                             (real)(ping->rear_lin));
 }
 

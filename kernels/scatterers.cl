@@ -322,6 +322,12 @@ static phasor mirror_factor(const world *w, const found *f, mask by, triple u) {
     return out;
 }
 
+/* The pressure of a face of these sides towards V of its own frame, re on-axis: side lobes have their signs. */
+static real pressure_towards(triple v, real length_h_wl, real length_v_wl, real rear_lin) {
+    real size = sqrt(beam_pattern_lin(v.x, v.y, v.z, length_h_wl, length_v_wl, rear_lin));
+    return size * sinc_sign(length_h_wl * v.y) * sinc_sign(length_v_wl * v.z);
+}
+
 /* ASDIC_WIDTH slots a work-item. GATES: the gate of every slot. */
 __kernel void coherent_shade(__global const dev_ping *ping, __global const dev_coherent *c,
                              __global const dev_patch *patches, __global const float4 *places,
@@ -355,17 +361,13 @@ __kernel void coherent_shade(__global const dev_ping *ping, __global const dev_c
     amplitude = choose(f.smooth, smooth_amplitude(&w, &f, &laws, met, mean), amplitude);
 
     /* The transmitter and an element, and the loss of both ways. */
-    __global const float *rows = c->rows;
-    triple u = heard_from.u;
-    real x = rows[0] * u.x + rows[1] * u.y + rows[2] * u.z;
-    real y = rows[3] * u.x + rows[4] * u.y + rows[5] * u.z;
-    real z = rows[6] * u.x + rows[7] * u.y + rows[8] * u.z;
-    real gain = gain_towards(ping, w.beams, sent.u.x, sent.u.y, sent.u.z) *
-                beam_pattern_lin(x, y, z, (real)(c->element_h_wl), (real)(c->element_v_wl),
-                                 (real)(ping->rear_lin));
-    real k = (real)(ping->absorption_np_per_m);
-    amplitude *= sqrt(gain * sqrt(ray_transmission(k, r_max(sent.range.high, R(1e-3))) *
-                                  ray_transmission(k, r_max(range, R(1e-3)))));
+    triple v = in_face(c->rows, heard_from.u);
+    real rear = (real)(ping->rear_lin), k = (real)(ping->absorption_np_per_m);
+    amplitude *= pressure_towards(in_face(w.beams->rows, sent.u), (real)(w.beams->length_h_wl),
+                                  (real)(w.beams->length_v_wl), rear) *
+                 pressure_towards(v, (real)(c->element_h_wl), (real)(c->element_v_wl), rear);
+    amplitude *= sqrt(sqrt(ray_transmission(k, r_max(sent.range.high, R(1e-3))) *
+                           ray_transmission(k, r_max(range, R(1e-3)))));
     phasor by = phasor_times(mirror_factor(&w, &f, f.out, sent.u),
                              mirror_factor(&w, &f, f.back, heard_from.u));
 
@@ -393,7 +395,7 @@ __kernel void coherent_shade(__global const dev_ping *ping, __global const dev_c
         uint at = slot + lane;
         if (at < c->slots) {
             dev_echo e;
-            e.y = AT(y, float) * AT(range, float);
+            e.y = AT(v.y, float) * AT(range, float);
             e.range_m = AT(range, float);
             e.way_m = AT(half_way, float);
             e.re = AT(amplitude, float) * (AT(chance.re, float) * AT(way.re, float) -

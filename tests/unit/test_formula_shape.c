@@ -89,6 +89,8 @@ static void sinc2_is_even_bounded_and_zero_at_whole_numbers(void **state) {
     }
     for (double x = 0.0; x < 40.0; x += 0.0137) {
         assert_true(sinc2(x) == sinc2(-x) && sinc2(x) <= 1.0);
+        assert_true(sinc_sign(x) == ((int)x % 2 == 1 ? -1.0 : 1.0) &&
+                    sinc_sign(-x) == sinc_sign(x));
     }
 }
 
