@@ -1,7 +1,7 @@
 /*
  * Where the scatterers of a coherent ping are: pieces of every surface that the sonar may hear, of the water,
  * and points. A piece is the same, and so are its scatterers, wherever the sonar is; how finely surfaces are
- * cut follows from the distance.
+ * cut follows from the distance, and from where transmitter and beams look.
  */
 #ifndef ASDIC_SIM_PATCHES_H
 #define ASDIC_SIM_PATCHES_H
