@@ -12,7 +12,7 @@ import sys
 import program
 import tap
 from program import Folder, asdic, need_device
-from run_folder import data
+from run_folder import data, facts
 
 SCENE = """version: 1
 environment: {sound_speed_mps: 1500, particle_density: low}
@@ -76,6 +76,7 @@ def test_same_bytes_in_parts_and_on_threads():
             asdic("run", path, "--shard", f"{k}/2", "-o", folder / f"part{k}").check(code=0)
         asdic("merge", folder / "part1", folder / "part2", "-o", folder / "joined").check(code=0)
         same_files(folder, "whole", "joined")
+        tap.equal(facts(folder, "joined")["elements"], facts(folder, "whole")["elements"])
 
 
 def test_later_parts_of_a_dive_are_joined():
@@ -96,6 +97,7 @@ output: {elements: true, images: []}
             asdic("run", path, "--pings", f"{k - 1}:{k}", "-o", folder / f"part{k}").check(code=0)
         asdic("merge", folder / "part2", folder / "part3", "-o", folder / "joined").check(code=0)
         tap.equal(pressures(folder, "joined")[0], (2, 4, pressures(folder, "part1")[0][2]), "shape")
+        tap.equal(facts(folder, "joined")["elements"], facts(folder, "part1")["elements"])
 
 
 def test_resume_makes_what_is_missing():
@@ -120,22 +122,29 @@ def test_resume_makes_what_is_missing():
 
 
 def test_beams_can_be_formed_outside():
-    """Delay-free sums of the element data towards the point peak where it is, as loud as it is."""
+    """Delay-free sums of the element data, by the lengths in run.json, towards the point peak where it is, as loud as it
+    is and with the phase of the way."""
     program.need_device()
     with Folder() as folder:
         path = folder.write("array.yaml", SCENE.replace("bandwidth_khz: 10", "bandwidth_khz: 5"))
         asdic("run", path, "-o", folder / "run").check(code=0)
         shape, at = pressures(folder, "run")
         tap.equal(shape[:2], (4, 13))
-        distance = math.hypot(12, 3)
-        sample = int(distance / (20 / shape[2]))
+        distance, length = math.hypot(12, 3), facts(folder, "run")["elements"]
+        tap.equal([round(length[name], 9) for name in ("spacing_m", "sample_m", "wavelength_m")],
+                  [0.0075, round(133 * 0.15 / shape[2], 9), 0.015], "lengths")
+        sample = int(distance / length["sample_m"])
+
+        def beam(bearing_deg):
+            turn = 2j * math.pi * length["spacing_m"] / length["wavelength_m"] * math.sin(math.radians(bearing_deg))
+            return sum(at(0, e, sample) * cmath.exp(-turn * (e - 6)) for e in range(13)) / 13
 
         def level(bearing_deg):
-            turn = 2j * math.pi * 0.5 * math.sin(math.radians(bearing_deg))
-            total = sum(at(0, e, sample) * cmath.exp(-turn * (e - 6)) for e in range(13)) / 13
-            return 20 * math.log10(abs(total))
+            return 20 * math.log10(abs(beam(bearing_deg)))
         best = max(range(-45, 46), key=level)
         tap.equal(abs(best - math.degrees(math.atan2(3, 12))) < 1, True, f"{best} degrees")
+        turns = cmath.phase(beam(best)) / (2 * math.pi) + 2 * distance / length["wavelength_m"]
+        tap.equal(abs(turns - round(turns)) < 0.05, True, f"{turns} turns")
         side_wl, y = 0.01 / 0.015, 3 / distance
         sinc = lambda x: math.sin(math.pi * x) / (math.pi * x)
         expected = (200 + 10 - 40 * math.log10(distance) - 2 * (distance - 1) * 0.0335 +

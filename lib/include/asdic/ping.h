@@ -105,9 +105,10 @@ typedef struct asdic_ping {
     uint64_t rays;      /* primary and secondary rays traced */
     uint64_t saturated; /* deposits cut to the accumulator's range; 0 in any sane scene */
     /* Of a coherent ping, after asdic_ping_add_elements; else 0 and NULL. Baseband pressure re
-     * 1 uPa at element e and sample n, at range (n + 1/2) times sample_m: the real part at
-     * pressure[2 (e * samples + n)], the imaginary part behind it. The total is then one
-     * realisation, and the parts but noise are 0. */
+     * 1 uPa at element e, from port on, and sample n, at range (n + 1/2) times sample_m: the real
+     * part at pressure[2 (e * samples + n)], the imaginary part behind it. After a way w it has
+     * turned by exp(-2 pi i w / wavelength). The total is then one realisation, and the parts but
+     * noise are 0. */
     size_t elements, samples;
     double sample_m;
     float *pressure;

@@ -221,6 +221,18 @@ static void add_scan(asdic_text *json, const asdic_run_facts *facts) {
     }
 }
 
+static void add_elements(asdic_text *json, const asdic_run_elements *e) {
+    char a[ASDIC_DIGITS_SIZE], b[ASDIC_DIGITS_SIZE], c[ASDIC_DIGITS_SIZE];
+    if (e->sample_m > 0.0) {
+        asdic_digits_print(a, "%.17g", e->spacing_m);
+        asdic_digits_print(b, "%.17g", e->sample_m);
+        asdic_digits_print(c, "%.17g", e->wavelength_m);
+        asdic_text_format(
+            json, "  \"elements\": {\"spacing_m\": %s, \"sample_m\": %s, \"wavelength_m\": %s},\n",
+            a, b, c);
+    }
+}
+
 static void add_results(asdic_text *json, const asdic_run_facts *facts) {
     char a[ASDIC_DIGITS_SIZE], b[ASDIC_DIGITS_SIZE], c[ASDIC_DIGITS_SIZE];
     asdic_text_add(json, "  \"time_s\": {");
@@ -298,6 +310,7 @@ asdic_status asdic_run_facts_write(asdic_context *ctx, const char *folder,
     add_natural(&json, "bins", facts->bins);
     asdic_text_format(&json, "  \"bin_length_m\": %s,\n",
                       number_or_null(digits, "%.17g", facts->bin_length_m));
+    add_elements(&json, &facts->elements);
     add_files(&json, facts);
     asdic_text_add(&json, SUM_KEY "00000000" SUM_END);
     size_t length = json.length;

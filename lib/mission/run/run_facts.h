@@ -28,6 +28,11 @@ typedef struct asdic_run_file {
     asdic_sum sum;
 } asdic_run_file;
 
+/* What elements.npy leaves to be said, the wavelength where the mission begins; 0: there is no such file. */
+typedef struct asdic_run_elements {
+    double spacing_m, sample_m, wavelength_m;
+} asdic_run_elements;
+
 /* Strings are borrowed: from the mission while running, from an arena when read. */
 typedef struct asdic_run_facts {
     const char *version; /* of asdic */
@@ -48,6 +53,7 @@ typedef struct asdic_run_facts {
     size_t whole_first_ping, whole_pings; /* that these are a part of, or they themselves */
     size_t beams, bins;
     double bin_length_m;
+    asdic_run_elements elements;
     asdic_sweep sweep; /* not read back: it is in the scene's text */
     const char **devices;
     size_t device_count;

@@ -173,6 +173,16 @@ static void read_refraction(reader *r, asdic_run_facts *facts) {
     }
 }
 
+/* None where there is no elements.npy, or the run is older than the key. */
+static void read_elements(reader *r, asdic_run_elements *elements) {
+    const asdic_yaml_node *map = asdic_yaml_child(r->root, "elements");
+    if (map) {
+        *elements =
+            (asdic_run_elements){read_number(r, map, "spacing_m"), read_number(r, map, "sample_m"),
+                                 read_number(r, map, "wavelength_m")};
+    }
+}
+
 /* A run without the keys is older than they are: nothing is known of a whole. */
 static void read_whole(reader *r, asdic_run_facts *facts) {
     bool says = asdic_yaml_child(r->root, "whole_pings") != NULL;
@@ -211,6 +221,7 @@ static void read_all(reader *r, asdic_arena *arena, asdic_run_facts *facts) {
     facts->beams = read_natural(r, "beams");
     facts->bins = read_natural(r, "bins");
     facts->bin_length_m = read_number(r, r->root, "bin_length_m");
+    read_elements(r, &facts->elements);
     for (size_t i = 0; i < ASDIC_RUN_TIME_COUNT; i++) {
         double *value = (double *)((char *)&facts->times + asdic_run_time_keys[i].at);
         *value = asdic_yaml_child(time_s, asdic_run_time_keys[i].name)

@@ -11,6 +11,7 @@
 #include "run_folder.h"
 #include "run_render.h"
 #include "run_size.h"
+#include "sim/coherent.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -113,6 +114,11 @@ static asdic_status describe(asdic_run_job *job) {
     f->beams = sonar->receiver_count;
     f->bins = asdic_sonar_bin_count(sonar, speed_mps);
     f->bin_length_m = sonar->bin_length_m;
+    if (m->settings.elements) {
+        asdic_coherent_grid grid = asdic_coherent_grid_of(sonar, speed_mps, f->bins);
+        f->elements = (asdic_run_elements){sonar->array.spacing_m, grid.sample_m,
+                                           speed_mps / sonar->frequency_hz};
+    }
     f->sweep = m->settings.sweep;
     f->stderr_median_db = f->stderr_worst_db = f->stderr_rms_db = NAN;
     f->rays_per_s = NAN;

@@ -60,9 +60,8 @@ static asdic_array convert_array(const asdic_scene_file *file) {
     file_beam element = {.pitch_deg = a->pitch_deg,
                          .yaw_deg = a->yaw_deg,
                          .roll_deg = a->roll_deg,
-                         .length_h_m = asdic_yaml_child(a->element.node, "length_h_m")
-                                           ? a->element.length_h_m
-                                           : spacing_m,
+                         .length_h_m =
+                             isnan(a->element.length_h_m) ? spacing_m : a->element.length_h_m,
                          .length_v_m = a->element.length_v_m};
     return (asdic_array){.elements = (size_t)a->elements,
                          .spacing_m = spacing_m,

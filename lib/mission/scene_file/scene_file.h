@@ -139,7 +139,8 @@ typedef struct file_fan_map {
 
 typedef struct file_element {
     asdic_yaml_node *node;
-    double length_h_m, length_v_m;
+    double length_h_m; /* NAN: none given */
+    double length_v_m;
 } file_element;
 
 typedef struct file_array_beams {

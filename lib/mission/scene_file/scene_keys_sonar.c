@@ -11,11 +11,12 @@
 
 /* --- sonar ------------------------------------------------------------------------------------ */
 
-#define LENGTH(type_of, member, what)                                                              \
+#define LENGTH_OR(type_of, member, otherwise, what)                                                \
     {                                                                                              \
 #member, ASDIC_KEY_NUMBER, AT(type_of, member), .unit = "m", .min = 1e-4, .max = 100,      \
-                                                        .fallback = "0.05", .doc = what            \
+                                                        .fallback = otherwise, .doc = what         \
     }
+#define LENGTH(type_of, member, what) LENGTH_OR(type_of, member, "0.05", what)
 #define APERTURE(type_of)                                                                          \
     ANGLE(type_of, pitch_deg, -180, 180, "aim below the bow's level; positive looks down"),        \
         ANGLE(type_of, yaw_deg, -180, 180, "aim to starboard of the bow"),                         \
@@ -57,7 +58,7 @@ static const asdic_table fan_map_table = {TABLE(fan_map_keys, file_fan_map),
                                           .doc = "receivers as a fan"};
 
 static const asdic_key element_keys[] = {
-    LENGTH(file_element, length_h_m, "side along the line"),
+    LENGTH_OR(file_element, length_h_m, NULL, "side along the line; else the spacing"),
     LENGTH(file_element, length_v_m, "side across it"),
 };
 static const asdic_table element_table = {TABLE(element_keys, file_element),
@@ -89,7 +90,7 @@ static const asdic_key array_keys[] = {
     {"side_lobe_db", ASDIC_KEY_NUMBER, AT(file_array, side_lobe_db), .unit = "dB", .min = -100,
      .max = -10, .doc = "side lobes of taylor (the first) and chebyshev (all); else -30"},
     {"element", ASDIC_KEY_MAP, AT(file_array, element), .table = &element_table,
-     .doc = "the aperture of an element; its side along the line: else the spacing"},
+     .doc = "the aperture of an element"},
     {"beams", ASDIC_KEY_MAP, ASDIC_KEY_REQUIRED, AT(file_array, beams), .table = &array_beams_table,
      .doc = "evenly spread beams"},
     ANGLE(file_array, pitch_deg, -180, 180, "aim below the bow's level; positive looks down"),
