@@ -98,7 +98,12 @@ typedef struct comparison {
     asdic_beam beams[BEAMS];
     depth_span span;
     asdic_ping *truth, *other;
+    bool decides; /* for the choice alone: what is known to matter is looked at no longer */
 } comparison;
+
+static bool is_open(const comparison *c, double bound_db) {
+    return !c->decides || bound_db <= ASDIC_REFRACTION_NEGLIGIBLE_DB;
+}
 
 static asdic_status expect(comparison *c, asdic_refraction form, const asdic_expected_place *at,
                            asdic_ping *out) {
@@ -122,10 +127,15 @@ static asdic_status compare(comparison *c, const asdic_expected_place *at,
                             asdic_refraction_plan *out) {
     double *bounds[] = {
         [ASDIC_REFRACTION_LAYER] = &out->layer_db, [ASDIC_REFRACTION_OFF] = &out->off_db};
+    if (!is_open(c, out->layer_db) && !is_open(c, out->off_db)) {
+        return ASDIC_OK;
+    }
     TRY(expect(c, ASDIC_REFRACTION_FULL, at, c->truth));
     for (int form = ASDIC_REFRACTION_LAYER; form <= ASDIC_REFRACTION_OFF; form++) {
-        TRY(expect(c, (asdic_refraction)form, at, c->other));
-        *bounds[form] = fmax(*bounds[form], SAFETY * change_db(c->truth, c->other));
+        if (is_open(c, *bounds[form])) {
+            TRY(expect(c, (asdic_refraction)form, at, c->other));
+            *bounds[form] = fmax(*bounds[form], SAFETY * change_db(c->truth, c->other));
+        }
     }
     return ASDIC_OK;
 }
@@ -261,6 +271,7 @@ static asdic_expected_place place_at(const comparison *c, size_t ping) {
 static asdic_status compare_places(comparison *c, asdic_refraction_plan *out) {
     size_t count = asdic_mission_ping_count(c->mission);
     asdic_expected_place places[PLACES];
+    bool are_new[PLACES];
     size_t pings[PLACES];
     double speed_mps =
         asdic_environment_sound_speed_mps(asdic_mission_environment(c->mission), c->span.least_m);
@@ -270,15 +281,18 @@ static asdic_status compare_places(comparison *c, asdic_refraction_plan *out) {
     for (size_t i = 0; i < PLACES; i++) {
         pings[i] = i == 0 ? c->span.shallow : i == 1 ? c->span.deep : (i - 2) * (count - 1) / 2;
         places[i] = place_at(c, pings[i]);
-        bool is_new = true, is_new_ping = true;
+        bool is_new_ping = true;
+        are_new[i] = true;
         for (size_t k = 0; k < i; k++) {
-            is_new = is_new && !asdic_expected_is_near(&places[k], &places[i], 0.0, 0.0);
+            are_new[i] = are_new[i] && !asdic_expected_is_near(&places[k], &places[i], 0.0, 0.0);
             is_new_ping = is_new_ping && pings[k] != pings[i];
         }
         if (is_new_ping) {
             compare_targets(c, pings[i], (double)bins * c->sonar.bin_length_m, out);
         }
-        if (is_new) {
+    }
+    for (size_t i = 0; i < PLACES; i++) {
+        if (are_new[i]) {
             TRY(compare(c, &places[i], out));
         }
     }
@@ -308,11 +322,8 @@ static void choose(asdic_refraction_plan *out) {
              out->layer_from_m, out->layer_to_m, layer);
 }
 
-asdic_status asdic_mission_refraction(asdic_context *ctx, const asdic_mission *mission,
-                                      asdic_refraction_plan *out) {
-    if (!mission || !out) {
-        return asdic_fail_null(ctx, __func__);
-    }
+static asdic_status plan(asdic_context *ctx, const asdic_mission *mission, bool decides,
+                         asdic_refraction_plan *out) {
     *out = (asdic_refraction_plan){.needed = ASDIC_REFRACTION_OFF,
                                    .reason = "the sound speed is the same at all depths"};
     asdic_environment full = *asdic_mission_environment(mission);
@@ -323,7 +334,8 @@ asdic_status asdic_mission_refraction(asdic_context *ctx, const asdic_mission *m
     comparison c = {.ctx = ctx,
                     .mission = mission,
                     .sonar = *asdic_mission_sonar(mission),
-                    .span = find_span(mission)};
+                    .span = find_span(mission),
+                    .decides = decides};
     asdic_environment layer = in_form(&full, ASDIC_REFRACTION_LAYER, &c.span);
     size_t receivers = c.sonar.receiver_count, kept = receivers < BEAMS ? receivers : BEAMS;
     for (size_t b = 0; b < kept; b++) {
@@ -340,4 +352,19 @@ asdic_status asdic_mission_refraction(asdic_context *ctx, const asdic_mission *m
         choose(out);
     }
     return status;
+}
+
+asdic_status asdic_mission_refraction(asdic_context *ctx, const asdic_mission *mission,
+                                      asdic_refraction_plan *out) {
+    return mission && out ? plan(ctx, mission, false, out) : asdic_fail_null(ctx, __func__);
+}
+
+asdic_status asdic_mission_refract_as_needed(asdic_context *ctx, asdic_mission *mission) {
+    asdic_refraction_plan p;
+    if (asdic_mission_plans_refraction(mission) &&
+        asdic_environment_bends(asdic_mission_environment(mission))) {
+        TRY(plan(ctx, mission, true, &p));
+        asdic_mission_refract(mission, p.needed);
+    }
+    return ASDIC_OK;
 }

@@ -62,8 +62,7 @@ def test_a_plan_stops_while_kernels_are_compiled():
 
 
 def test_rays_through_many_layers_stop():
-    """Water of 48 layers, each warmer or colder than the next by 9 degrees or more: minutes of quadrature before
-    the first ping."""
+    """Water of 48 layers, each warmer or colder than the next by 9 degrees or more: minutes of quadrature."""
     program.need_device()
     temperatures = (8, 22, 12, 21, 11, 20, 10, 24, 9, 23)
     cast = "".join(f"{i / 4},{temperatures[i % 10]}\n" for i in range(49))
@@ -71,7 +70,7 @@ def test_rays_through_many_layers_stop():
     with Folder() as folder:
         folder.write("cast.csv", "depth_m,temperature_degc\n" + cast)
         folder.write("scene.yaml", SCENE.replace("environment: {wind_speed_kn: 10}", water))
-        with begin(folder, "run", "scene.yaml", "-o", "out") as child:
+        with begin(folder, "plan", "scene.yaml") as child:
             time.sleep(1.5)
             program.stop(child)
         tap.equal(folder.names(), ["cast.csv", "scene.yaml"])

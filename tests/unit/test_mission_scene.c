@@ -569,6 +569,8 @@ static void refraction_is_as_much_as_is_needed(void **state) {
                      "to %.3g dB",
                      plan.off_db, cases[i].span_m[0], cases[i].span_m[1], plan.layer_db);
             assert_contains(plan.reason, text);
+            assert_ok(w->ctx, asdic_mission_refract_as_needed(w->ctx, m));
+            assert_int_equal(asdic_mission_environment(m)->refraction, cases[i].needed);
         } else {
             assert_close(plan.off_db + plan.layer_db, 0.0, 0.0);
             assert_contains(plan.reason, "same at all depths");
@@ -708,12 +710,20 @@ static void forms_are_compared_once_at_a_place(void **state) {
         asdic_mission *m = load_text(
             w, "version: 1\nenvironment: {sound_speed_profile: [[0, 1500], [40, 1470]]}\n"
                "sonar: {frequency_khz: 20, ping_rate_hz: 1, max_range_m: 40, bin_length_m: 4,\n"
-               "  receivers: [{name: a}]}\nbottom: {depth_m: 25}\nmission: {track: level.csv}\n");
+               "  source_level_db: 220, receivers: " FAN "}\n"
+               "bottom: {depth_m: 25}\nmission: {track: level.csv}\n");
         assert_non_null(m);
         asdic_context_set_progress(w->ctx, count_expectations, &count);
         assert_ok(w->ctx, asdic_mission_refraction(w->ctx, m, &plan));
         asdic_context_set_progress(w->ctx, NULL, NULL);
         assert_int_equal(count, 3 * cases[i].places);
+        /* To choose, straight rays are looked at until they are known to be wrong. */
+        count = 0;
+        asdic_context_set_progress(w->ctx, count_expectations, &count);
+        assert_ok(w->ctx, asdic_mission_refract_as_needed(w->ctx, m));
+        asdic_context_set_progress(w->ctx, NULL, NULL);
+        assert_int_equal(count, 3 + 2 * (cases[i].places - 1));
+        assert_int_equal(asdic_mission_environment(m)->refraction, ASDIC_REFRACTION_LAYER);
         asdic_mission_destroy(&m);
     }
 }

@@ -71,12 +71,7 @@ static const char *path_from_root(asdic_run_job *job) {
 /* What the scene leaves to the plan is planned. */
 static asdic_status choose_refraction(asdic_run_job *job) {
     asdic_run_facts *f = &job->facts;
-    if (job->mission->settings.refraction < 0 &&
-        asdic_environment_bends(asdic_mission_environment(job->mission))) {
-        asdic_refraction_plan plan;
-        TRY(asdic_mission_refraction(job->ctx, job->mission, &plan));
-        asdic_mission_refract(job->mission, plan.needed);
-    }
+    TRY(asdic_mission_refract_as_needed(job->ctx, job->mission));
     const asdic_environment *env = asdic_mission_environment(job->mission);
     f->refraction = env->refraction;
     f->layer_from_m = env->layer_from_m;
