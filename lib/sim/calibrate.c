@@ -436,9 +436,12 @@ static void take_parts(const asdic_simulator *sim, const asdic_ping *ping, calib
 }
 
 /* Runs the calibration's pings, pulse included: the errors of neighbouring bins are negatively correlated,
- * and a pulse takes out more of such errors than of independent ones. */
+ * and a pulse takes out more of such errors than of independent ones. Bins of the blanking that the pulses of pings will
+ * carry over its end are learnt, too. */
 static asdic_status run_pings(asdic_simulator *sim, const asdic_pose *pose, uint64_t index,
                               calibration *c) {
+    asdic_sonar heard = sim->setup.sonar;
+    heard.blanking_m = sim->setup.from_m;
     memset(c->suggested, 0, sim->setup.cells * sizeof *c->suggested);
     memset(c->rare, 0, sim->setup.cells * sizeof *c->rare);
     memset(c->mean, 0, sim->setup.cells * sizeof *c->mean);
@@ -461,8 +464,8 @@ static asdic_status run_pings(asdic_simulator *sim, const asdic_pose *pose, uint
                 take_parts(sim, c->pings[i], c);
             }
             take_first_bins(sim, c->pings[i], c->sharp);
-            asdic_pulse_smear(&sim->setup.sonar, sim->shots[i].water.sound_speed_mps,
-                              sim->setup.threads, sim->host.scratch, c->pings[i], c->pings[i]);
+            asdic_pulse_smear(&heard, sim->shots[i].water.sound_speed_mps, sim->setup.threads,
+                              sim->host.scratch, c->pings[i], c->pings[i]);
             take_ping(sim, c->pings[i], k, c);
             take_first_bins(sim, c->pings[i], c->first);
         }

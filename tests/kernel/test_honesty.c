@@ -359,6 +359,40 @@ static void the_range_s_end(void **state) {
     }
 }
 
+/* Of the bins that a pulse reaches from within a blanking of 5 m. */
+static void add_behind(const honesty_rig *r, const asdic_ping *truth, size_t i, double square,
+                       honesty_sum *sum) {
+    double from_m = (double)(i % truth->bins) * r->sonar.bin_length_m - r->sonar.blanking_m;
+    if (from_m > -1e-9 && from_m < 1.0) { /* half a pulse */
+        add_square(sum, square);
+    }
+}
+
+static void the_blanking_s_end(void **state) {
+    (void)state;
+    static const char text[] =
+        "version: 1\n"
+        "environment: {wind_speed_kn: 8}\n"
+        "bottom: {depth_m: 13, type: sand}\n"
+        "sonar:\n"
+        "  frequency_khz: 100\n"
+        "  bandwidth_khz: 0.375\n"
+        "  max_range_m: 30\n"
+        "  bin_length_m: 0.1\n"
+        "  blanking_m: 5\n"
+        "  transmitter: {length_h_m: 0.01, length_v_m: 0.03, pitch_deg: 30}\n"
+        "  receivers: {fan: {count: 24, sector_deg: 90, length_h_m: 0.1, length_v_m: 0.03, "
+        "pitch_deg: 30}}\n"
+        "mission: {pose: {position_m: [0, 0, 10]}}\n";
+    honesty_rig r = rig_of_text(text);
+    honesty_sum sum = {0};
+    add_errors(&r, 20000, 4, add_behind, &sum);
+    print_message("first bins behind the blanking: true over stated %.2f of %.0f\n", rms_of(sum),
+                  sum.count);
+    assert_true(rms_of(sum) > 0.7 && rms_of(sum) < 1.3);
+    rig_close(&r);
+}
+
 static void several_beams(void **state) {
     (void)state;
     static const honesty_case cases[] = {
@@ -895,6 +929,7 @@ int main(void) {
         cmocka_unit_test(rough_bottoms),
         cmocka_unit_test(objects_elsewhere),
         cmocka_unit_test(the_range_s_end),
+        cmocka_unit_test(the_blanking_s_end),
         cmocka_unit_test(several_beams),
         cmocka_unit_test(a_dive_learns_anew),
         cmocka_unit_test(a_level_turn_does_not),
