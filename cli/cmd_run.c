@@ -25,6 +25,11 @@ typedef struct request {
     bool force, resume;
 } request;
 
+/* The rows of bins.csv alone; FOLDER may be NULL. */
+static bool is_stream(const char *folder) {
+    return folder && strcmp(folder, "-") == 0;
+}
+
 static bool read_request(cli *c, request *r) {
     uint64_t rays = 0, seed = 0;
     double percent = 99.0;
@@ -162,7 +167,7 @@ static void say_times(const cli *c, const asdic_run_times *t) {
 /* "stated error 0.41 dB r.m.s. in bins above the noise (median 0.2, worst 3.1)" */
 static void say_errors(cli *c, const char *folder) {
     asdic_run *run = NULL;
-    if (strcmp(folder, "-") == 0 || asdic_run_open(cli_context(c), folder, &run) != ASDIC_OK) {
+    if (is_stream(folder) || asdic_run_open(cli_context(c), folder, &run) != ASDIC_OK) {
         return;
     }
     asdic_run_errors e = asdic_run_get_errors(run);
@@ -191,7 +196,7 @@ static void summarise(cli *c, const asdic_mission *mission, const asdic_run_opti
         cli_progress_short(rate, rays_per_s);
         snprintf(speed, sizeof speed, ", %srays/s", rate);
     }
-    const char *where = strcmp(options->folder, "-") == 0 ? "standard output" : options->folder;
+    const char *where = is_stream(options->folder) ? "standard output" : options->folder;
     cli_note(c, "%s: %zu ping%s, %zu beam%s, %.2f s%s", where, last->pings_total,
              last->pings_total == 1 ? "" : "s", asdic_mission_sonar(mission)->receiver_count,
              asdic_mission_sonar(mission)->receiver_count == 1 ? "" : "s", last->elapsed_s, speed);
@@ -232,7 +237,7 @@ static asdic_status simulate(cli *c, asdic_mission *mission, const asdic_toleran
 static void announce(const cli *c, const request *r, const asdic_mission *mission,
                      const asdic_run_options *options) {
     char size[CLI_SIZE_TEXT];
-    if (strcmp(options->folder, "-") != 0 && !cli_team_is_worker(options->team)) {
+    if (!is_stream(options->folder) && !cli_team_is_worker(options->team)) {
         cli_remark_csv(c, r->scene, mission);
         cli_note(c, "%s: %s", options->folder,
                  cli_size(mission, options->count, options->folder, size));
@@ -256,7 +261,7 @@ static int run_alone_or_in(cli *c, asdic_team *team) {
     if (!cli_refract(c, mission)) {
         goto done;
     }
-    cli_remark(c, r.scene, mission, true);
+    cli_remark(c, r.scene, mission, !r.resume && !is_stream(r.folder));
     if (!choose_pings(c, &r, asdic_mission_ping_count(mission), &options)) {
         goto done;
     }

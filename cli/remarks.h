@@ -8,8 +8,8 @@
 #include "cli.h"
 #include "json.h"
 
-/* A line each on standard error, unless --quiet was given; PATH names the scene. WILL_RUN: what no
- * run begins with is left to its error. */
+/* A line each on standard error, unless --quiet was given; PATH names the scene. WILL_RUN, into a
+ * new folder: what no such run begins with is left to its error. */
 void cli_remark(const cli *c, const char *path, const asdic_mission *mission, bool will_run);
 
 /* "remarks": [...] */

@@ -353,7 +353,9 @@ def test_netcdf_that_is_gone_is_told_before_a_run():
         tap.contains(asdic("check", folder / "pool.yaml", **env).check(code=0).err, words)
         tap.equal(asdic("run", folder / "pool.yaml", "-o", folder / "gone", **env).check(code=1).err.count(words), 1, "said")
         tap.equal(os.path.exists(folder / "gone"), False, "a folder, which would be in the next run's way")
-        asdic("run", folder / "pool.yaml", "-o", folder / "r", "--resume", **env).check(code=0)  # all is there
+        tap.equal(asdic("run", folder / "pool.yaml", "-o", "-", **env).check(code=0).err.count(words), 1, "rows alone")
+        resumed = asdic("run", folder / "pool.yaml", "-o", folder / "r", "--resume", **env).check(code=0)
+        tap.equal(resumed.err.count(words), 1, "said of a run that is complete")
         before = data(folder, "r", "run.nc")
         tap.contains(asdic("merge", "--force", folder / "part", "-o", folder / "r", **env).check(code=1).err, words)
         tap.equal(data(folder, "r", "run.nc") == before, True, "the run that was there")

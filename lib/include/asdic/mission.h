@@ -207,12 +207,12 @@ ASDIC_API asdic_status asdic_mission_write_track(asdic_context *ctx, const asdic
 /* Laws that a mission uses outside the range that their sources state, then rays too few for its
  * sonar, shadows, and a sonar that is hardly meant, a sentence each: levels are computed all the
  * same, and run.json keeps the sentences. Last a format that cannot be written here, without which
- * no run begins. Of too many the last laws are missing. */
+ * no run into a folder begins. Of too many the last laws are missing. */
 #define ASDIC_MOST_REMARKS 8
 #define ASDIC_REMARK_SIZE 256
 typedef struct asdic_remarks {
     size_t count;
-    bool lacks_format; /* the last is what asdic_mission_run fails with */
+    bool lacks_format; /* the last is what asdic_mission_run into a new folder fails with */
     char text[ASDIC_MOST_REMARKS][ASDIC_REMARK_SIZE];
 } asdic_remarks;
 ASDIC_API asdic_remarks asdic_mission_remarks(const asdic_mission *mission);
