@@ -180,6 +180,24 @@ def test_what_was_found_in_a_part_goes_with_it():
             shutil.rmtree(folder / "r")
 
 
+def test_what_was_found_stays_when_a_mending_is_interrupted():
+    """The first --resume of a complete run with a damaged ping leaves it interrupted."""
+    program.need_device()
+    with Folder() as folder:
+        path = scene(folder, pings=3, rays=500)
+        asdic("run", path, "-o", folder / "r").check(code=0)
+        folder.write("r/tracks.csv", "of all pings")
+        records = bytearray(data(folder, "r", "pings.npy"))
+        records[-100] ^= 1
+        with open(folder / "r/pings.npy", "wb") as file:
+            file.write(records)
+        edit_facts(folder, "r", '"complete"', '"interrupted"')
+        said = asdic("run", path, "-o", folder / "r", "--resume").check(code=0).err
+        tap.contains(said, "made again")
+        tap.equal("gets more pings" in said, False, said)
+        tap.equal(folder.read("r/tracks.csv"), "of all pings")
+
+
 def test_recipes_of_the_page_on_many_machines():
     """The commands for xargs and GNU parallel, as printed, give the bytes of one run."""
     program.need_device()

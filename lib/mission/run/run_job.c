@@ -344,7 +344,9 @@ static asdic_status open_run(asdic_run_job *job) {
     TRY(asdic_store_cut(job->store, job->facts.pings_planned));
     TRY(open_elements(job, goes_on));
     find_whole(job, &bad);
-    bool grows = goes_on && job->to_make > 0 && !was_complete(&earlier);
+    /* One that was complete, whose mending was interrupted, has all its records, damaged ones too. */
+    bool grows = goes_on && !was_complete(&earlier) &&
+                 asdic_store_count(job->store) < job->facts.pings_planned;
     return grows ? asdic_folder_drop_found(job->ctx, folder, job->lock) : ASDIC_OK;
 }
 
