@@ -266,10 +266,10 @@ asdic_status asdic_mission_choose(asdic_context *ctx, asdic_mission *mission,
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
                           "%u rays per ping: out of range [64, 268435456]", choices->rays);
     }
-    asdic_choices before = asdic_mission_get_choices(mission);
-    mission->is_varied |= choices->wind_speed_kn != before.wind_speed_kn ||
-                          choices->source_level_db != before.source_level_db ||
-                          !asdic_material_equal(&choices->bottom, &before.bottom);
+    const asdic_choices *said = &mission->said;
+    mission->is_chosen = choices->wind_speed_kn != said->wind_speed_kn ||
+                         choices->source_level_db != said->source_level_db ||
+                         !asdic_material_equal(&choices->bottom, &said->bottom);
     mission->settings.environment = environment;
     mission->settings.sonar = sonar;
     mission->settings.sampling.rays = choices->rays;

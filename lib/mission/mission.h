@@ -49,7 +49,9 @@ struct asdic_mission {
     size_t class_count;
     bool stands_anywhere;      /* the scene's objects are to be put where `objects` say */
     const asdic_mission *base; /* that the scene belongs to; NULL: its own */
-    bool is_varied;            /* settings or choices changed what the text says */
+    bool is_varied;            /* settings changed what the text says */
+    asdic_choices said;        /* by the text */
+    bool is_chosen;            /* choices differ from these */
     asdic_flight flight;       /* how the vehicle manoeuvres; an ordinary one without waypoints */
     asdic_pose pose;           /* of every ping, when there is no track */
     asdic_track *track;        /* NULL: at rest */

@@ -329,6 +329,7 @@ static asdic_status load_file(asdic_context *ctx, const char *path, const missio
     asdic_c_locale_leave(before);
     asdic_problems_finish(&problems);
     asdic_arena_finish(&arena);
+    m->said = asdic_mission_get_choices(m);
     if (status) {
         asdic_mission_destroy(&m);
     }

@@ -459,7 +459,8 @@ static void what_the_text_does_not_say_is_not_run(void **state) {
     for (int k = 0; k < 4; k++) {
         fixture f;
         begin(&f);
-        asdic_choices choices = asdic_mission_get_choices(f.mission);
+        asdic_choices before = asdic_mission_get_choices(f.mission), choices = before;
+        char name[16];
         choices.seed += k == 0;
         choices.rays += k == 0;
         choices.source_level_db += k == 1;
@@ -469,6 +470,10 @@ static void what_the_text_does_not_say_is_not_run(void **state) {
         asdic_status status = run(&f, 1, asdic_run_options_default(), k ? "unsaid" : "said");
         assert_int_equal(status, k ? ASDIC_ERROR_UNSUPPORTED : ASDIC_OK);
         assert_int_equal(access(in_folder("unsaid"), F_OK), -1);
+        assert_true(k == 0 || strstr(asdic_context_error(f.ctx), "settings or choices"));
+        snprintf(name, sizeof name, "said_again_%d", k);
+        assert_ok(f.ctx, asdic_mission_choose(f.ctx, f.mission, &before));
+        assert_ok(f.ctx, run(&f, 1, asdic_run_options_default(), name));
         end(&f);
     }
 }

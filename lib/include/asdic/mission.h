@@ -186,8 +186,8 @@ typedef struct asdic_choices {
 ASDIC_API asdic_choices asdic_mission_get_choices(const asdic_mission *mission);
 
 /* Changes the mission; simulators that are created afterwards follow, others stay as they are.
- * Nothing may work with the mission meanwhile. Once more than rays and seed have changed,
- * asdic_mission_run refuses it, since a run's folder keeps the file's text: run what
+ * Nothing may work with the mission meanwhile. While more than rays and seed differ from
+ * the file's, asdic_mission_run refuses it, since a run's folder keeps the file's text: run what
  * asdic_mission_write_scene writes. ASDIC_ERROR_ARGUMENT when a choice is out of range: nothing has
  * changed then. */
 ASDIC_API asdic_status asdic_mission_choose(asdic_context *ctx, asdic_mission *mission,

@@ -188,11 +188,10 @@ asdic_status asdic_mission_run(asdic_context *ctx, asdic_mission *mission, asdic
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
                           "asdic_mission_run: a mission, options and a device are needed");
     }
-    if (mission->is_varied) {
-        return asdic_fail(
-            ctx, ASDIC_ERROR_UNSUPPORTED,
-            "a mission with settings of its own cannot be run: the folder would keep a "
-            "text that does not say them; write them into a scene file");
+    if (mission->is_varied || mission->is_chosen) {
+        return asdic_fail(ctx, ASDIC_ERROR_UNSUPPORTED,
+                          "a mission with settings or choices that its text does not say cannot be "
+                          "run; write them into a scene file");
     }
     asdic_run_job job = {.ctx = ctx,
                          .mission = mission,
