@@ -126,7 +126,7 @@ int bench_run(cli *c, const bench_kind *kinds) {
                .json = cli_given(c, "json"),
                .picture = cli_text(c, "picture")};
     const char *output = cli_text(c, "output");
-    bool is_stdout = output && strcmp(output, "-") == 0;
+    bool is_stdout = output && cli_is_stdout(output);
     size_t operands = cli_operand_count(c) - 1;
     uint64_t threads = 0;
     cli_integer(c, "threads", 1, 64, &threads);

@@ -114,7 +114,7 @@ static asdic_status compute(cli *c, const char *path, const expect_scene *scene,
         free(name);
         TRY(status);
     }
-    if (strcmp(path, "-") != 0) {
+    if (!cli_is_stdout(path)) {
         cli_note(c, "%s: %zu beam%s, %zu bins", path, ping->beams, ping->beams == 1 ? "" : "s",
                  ping->bins);
     }

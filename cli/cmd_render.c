@@ -85,7 +85,7 @@ static bool check_mosaic(cli *c, const char *mosaic) {
         }
     }
     const char *ending = mosaic ? mosaic + cli_stem(mosaic) : "";
-    if (mosaic && (strcmp(mosaic, "-") == 0 || (*ending && strcasecmp(ending, ".png") != 0))) {
+    if (mosaic && (cli_is_stdout(mosaic) || (*ending && strcasecmp(ending, ".png") != 0))) {
         cli_usage(c, "--mosaic '%s': a PNG file with a world file beside it, so a name in .png",
                   mosaic);
         return false;

@@ -49,6 +49,7 @@ static bool read_request(cli *c, request *r) {
     cli_index_range(c, "pings", &r->first, &r->end);
     cli_share(c, "shard", &r->shard, &r->shards);
     r->folder = cli_text(c, "output");
+    r->folder = r->folder && cli_is_stdout(r->folder) ? "-" : r->folder;
     r->force = cli_given(c, "force");
     r->resume = cli_given(c, "resume");
     r->has_rays = cli_given(c, "rays");

@@ -146,7 +146,7 @@ static bool reader_left(const cli *c) {
     bool to_stdout = false;
     for (size_t i = 0; i < c->option_count; i++) {
         to_stdout |= strcmp(c->options[i]->name, "output") == 0 && c->values[i] &&
-                     strcmp(c->values[i], "-") == 0;
+                     cli_is_stdout(c->values[i]);
     }
     return to_stdout && poll(&out, 1, 0) == 1 && (out.revents & POLLERR);
 }

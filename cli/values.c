@@ -71,7 +71,7 @@ bool cli_is_picture(cli *c, const char *option) {
 
 bool cli_picture_is_apart(cli *c, const char *path) {
     const char *picture = cli_text(c, "picture");
-    if (picture && (strcmp(picture, "-") == 0 || (path && strcmp(picture, path) == 0))) {
+    if (picture && (cli_is_stdout(picture) || (path && strcmp(picture, path) == 0))) {
         cli_usage(c, "--picture %s: a picture goes to a file of its own", picture);
         return false;
     }

@@ -194,7 +194,8 @@ def test_tables_go_where_they_are_sent():
         out = asdic("bench", "loop", "--quick", "-o", "-", flat, cwd=folder.path).check(code=0).out
         row, = csv.DictReader(io.StringIO(out))
         tap.equal((row["scene"], folder.names()), ("bench_flat", []))
-        asdic("bench", "loop", "-o", "-", "--json", flat).check(code=2)
+        for name in "-", "/dev/stdout":
+            asdic("bench", "loop", "--quick", "-o", name, "--json", flat).check(code=2)
         for option in "-o", "--picture":
             kept = folder.write("kept.svg", "kept")
             err = asdic("bench", "pings", "--quick", option, kept, flat).check(code=1).err

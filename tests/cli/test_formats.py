@@ -398,11 +398,12 @@ def run_of_again(folder, old, new):
 def test_bins_go_to_standard_output():
     with Folder() as folder:
         run_of(folder)
-        done = asdic("run", folder / "pool.yaml", "-o", "-", cwd=folder.path).check(code=0)
-        tap.equal(done.out.encode() == data(folder, "r", "bins.csv"), True, "bins.csv")
-        tap.contains(done.err, "standard output: ")
-        tap.equal(sorted(folder.names()), ["pool.yaml", "r"], "files")
-        asdic("run", folder / "pool.yaml", "-o", "-", "--resume").check(code=2, out="")
+        for name in "-", "/dev/stdout":
+            done = asdic("run", folder / "pool.yaml", "-o", name, cwd=folder.path).check(code=0)
+            tap.equal(done.out.encode() == data(folder, "r", "bins.csv"), True, "bins.csv")
+            tap.contains(done.err, "standard output: ")
+            tap.equal(sorted(folder.names()), ["pool.yaml", "r"], "files")
+            asdic("run", folder / "pool.yaml", "-o", name, "--resume").check(code=2, out="")
 
 
 def test_terrain_keeps_land_and_holes():
