@@ -30,18 +30,6 @@ static bool read_images(cli *c, unsigned *images) {
     return true;
 }
 
-/* Whether the window and gain of levels that were asked for are seen anywhere in IMAGES. */
-static bool check_levels(cli *c, unsigned images) {
-    static const char *const options[] = {"db-range", "tvg"};
-    for (size_t i = 0; images == 1u << ASDIC_IMAGE_PLAN && i < 2; i++) {
-        if (cli_given(c, options[i])) {
-            cli_usage(c, "--%s is of pictures of levels; a plan has none", options[i]);
-            return false;
-        }
-    }
-    return true;
-}
-
 /* Sonar operators' gain: K log r for the spreading, 2 alpha r for the absorption both ways. */
 static asdic_status set_gain(cli *c, const char *folder, double db_per_decade,
                              asdic_render_options *options) {
@@ -119,7 +107,7 @@ static int run(cli *c) {
     cli_choice(c, "format", formats, &format);
     cli_number(c, "tvg", 0.0, 100.0, &gain);
     cli_integer(c, "ping", 0, SIZE_MAX - 1, &ping);
-    if (cli_bad_usage(c) || !read_images(c, &options.images) || !check_levels(c, options.images)) {
+    if (cli_bad_usage(c) || !read_images(c, &options.images)) {
         return CLI_USAGE;
     }
     options.colormap = (asdic_colormap)map;

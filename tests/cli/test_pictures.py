@@ -119,6 +119,20 @@ def test_a_plan_joins_beams_that_touch():
             tap.equal(len(drawn), areas, f"areas of beams {step} degrees apart")
 
 
+PLAN_LACKS = (("a gain is of pictures of levels; a plan has none", "--tvg", "30"),
+              ("a window is of pictures of levels; a plan has none", "--db-range", "0:10"))
+
+
+def test_a_plan_that_the_scene_asks_for_shows_no_levels():
+    with Folder() as folder:
+        run = run_of(folder, pings=1, edits={"[waterfall, ascope, fan]": "[plan]"})
+        if not pictures(folder, "r"):
+            raise tap.Skip("built without cairo")
+        for what, *option in PLAN_LACKS:
+            tap.contains(asdic("render", run, *option).check(code=2, out="").err, what)
+        asdic("render", run, "--images", "ascope", "--tvg", "30").check(code=0)
+
+
 def test_one_picture_goes_to_a_file_or_standard_output():
     with Folder() as folder:
         run = run_of(folder)
@@ -137,9 +151,8 @@ def test_one_picture_goes_to_a_file_or_standard_output():
         asdic("render", run, "--images", "ascope", "-o", "-").check(code=2, out="")
         asdic("render", run, "--format", "jpg").check(code=2)
         tap.contains(asdic("render", run, "--images", "").check(code=2, out="").err, "no picture ''; there are")
-        for option in (("--tvg", "30"), ("--db-range", "0:10")):
-            tap.contains(asdic("render", run, "--images", "plan", *option).check(code=2, out="").err,
-                         f"{option[0]} is of pictures of levels; a plan has none")
+        for what, *option in PLAN_LACKS:
+            tap.contains(asdic("render", run, "--images", "plan", *option).check(code=2, out="").err, what)
         waterfall = "render", run, "--images", "waterfall", "--beam", "down"
         tap.contains(asdic(*waterfall, "-o", folder / "w.jpg").check(code=2, out="").err,
                      "w.jpg: a picture is a file in .png, .pdf or .svg")

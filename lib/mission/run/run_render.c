@@ -140,7 +140,8 @@ static size_t count_pictures(const asdic_render *r) {
            (wants(r, ASDIC_IMAGE_ASCOPE) + wants(r, ASDIC_IMAGE_FAN)) * pings;
 }
 
-/* A beam or ping that is chosen must be that of a picture which is asked for by name. */
+/* A beam or ping that is chosen must be that of a picture which is asked for by name, a window or gain of any that is
+ * drawn. */
 static asdic_status check_choice(const asdic_render *r) {
     const unsigned ascope = 1u << ASDIC_IMAGE_ASCOPE, fan = 1u << ASDIC_IMAGE_FAN;
     unsigned of_beam = ascope | 1u << ASDIC_IMAGE_WATERFALL;
@@ -155,6 +156,13 @@ static asdic_status check_choice(const asdic_render *r) {
         return asdic_fail(r->ctx, ASDIC_ERROR_ARGUMENT,
                           "ping %zu: A-scopes and fans are of one ping; neither is asked for",
                           r->options.ping);
+    }
+    bool has_gain = r->options.tvg_db_per_decade != 0.0 || r->options.tvg_db_per_m != 0.0;
+    if (r->images == 1u << ASDIC_IMAGE_PLAN && !r->options.raw &&
+        (has_gain || !isnan(r->options.db_low))) {
+        return asdic_fail(r->ctx, ASDIC_ERROR_ARGUMENT,
+                          "a %s is of pictures of levels; a plan has none",
+                          has_gain ? "gain" : "window");
     }
     return ASDIC_OK;
 }
