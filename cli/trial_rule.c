@@ -251,8 +251,8 @@ static bool read_answer(const char *answer, asdic_trial_order *order, char *why)
     order->z_m = order->dives ? value[SERVE_Z] : 0.0;
     order->yaw_rad = order->turns ? value[SERVE_YAW] * CLI_PI / 180.0 : 0.0;
     if (fabs(order->yaw_rad) > MOST_YAW_RAD) {
-        snprintf(why, ASDIC_TRIAL_WHY, "the rule asks for yaw_deg = %g, beyond %g rad",
-                 value[SERVE_YAW], MOST_YAW_RAD);
+        snprintf(why, ASDIC_TRIAL_WHY, "the rule asks for yaw_deg = %g, beyond %g degrees",
+                 value[SERVE_YAW], cli_degrees(MOST_YAW_RAD));
         return false;
     }
     if (order->dives && !(order->z_m >= 0.0 && order->z_m <= 11000.0)) {

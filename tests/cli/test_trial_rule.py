@@ -133,7 +133,7 @@ def test_rules_that_fail_are_counted():
                               ("import os; os.kill(os.getpid(), 9)", "the rule was ended by signal 9"),
                               ('print("starboard")', "the rule answered 'starboard': column 1"),
                               ('print(json.dumps({"z_m": -3}))', "z_m = -3, out of range"),
-                              ('print(json.dumps({"yaw_deg": 1e300}))', "yaw_deg = 1e+300, beyond 1e+07 rad"),
+                              ('print(json.dumps({"yaw_deg": 1e300}))', "yaw_deg = 1e+300, beyond 5.72958e+08 degrees"),
                               ('print(json.dumps({"pitch_deg": 4}))', "asks for pitch_deg; it can ask for z_m and"),
                               ('print(json.dumps({"heading_deg": 90}))', "unknown name 'heading_deg'; did you mean 'yaw_deg'?"),
                               ('print(json.dumps({"yaw_deg": 90, "depth_m": 5}))', "did you mean 'z_m'? (it can ask for z_m and"),
