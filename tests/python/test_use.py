@@ -9,6 +9,7 @@ import sys
 import tempfile
 import threading
 import time
+import warnings
 import weakref
 from unittest import mock
 
@@ -782,6 +783,13 @@ def test_pictures():
     bounds = axes.collections[0].get_paths()[0].vertices[:, 1]
     tap.equal((bounds.min(), bounds.max()), (curve.points["pd"]["low"].min(), curve.points["pd"]["high"].max()), "bounds")
     raises(KeyError, "'aft' is none of forward, down", asdic.plot.ascope, run, "aft")
+    plt.close("all")
+    coherent = asdic.Scene.open(os.path.join(ROOT, "data", "scenes", "array.yaml"))
+    coherent.output = {"csv": "none", "images": []}
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", UserWarning)
+        axes = asdic.plot.ascope(asdic.simulate(coherent, rays=2000, pings=slice(0, 1)))
+    tap.equal((len(axes.collections), axes.get_legend_handles_labels()[1]), (0, ["simulated"]), "no bars of errors that nobody states")
     plt.close("all")
 
 

@@ -66,11 +66,12 @@ def fan(of: Run | Ping, ping: int = 0, ax: Axes | None = None, **keys: Any) -> A
 
 def ascope(of: Run | Ping, beam: int | str | None = None, ping: int = 0, expected: Ping | None = None,
            ax: Axes | None = None, **keys: Any) -> Axes:
-    """A beam's level over range with bars of one standard error; EXPECTED beside it."""
+    """A beam's level over range with bars of one standard error, which coherent pings do not state; EXPECTED beside it."""
     ax, beam = _axes(ax), _beam(of, beam)
     levels, errors = (of.level_db[ping], of.stderr_db[ping]) if isinstance(of, Run) else (of.level_db, of.stderr_db)
-    ax.errorbar(of.ranges, levels[beam], yerr=np.asarray(errors[beam], np.float64),
-                **{"fmt": ".", "markersize": 3, "linewidth": 1, "label": "simulated, one standard error", **keys})
+    errors = np.asarray(errors[beam], np.float64)
+    label, bars = ("simulated, one standard error", errors) if np.isfinite(errors).any() else ("simulated", None)
+    ax.errorbar(of.ranges, levels[beam], yerr=bars, **{"fmt": ".", "markersize": 3, "linewidth": 1, "label": label, **keys})
     if expected is not None:
         ax.plot(expected.ranges, expected.level_db[beam], linewidth=1, label="expected")
     ax.set(xlabel="range, m", ylabel="level, dB re 1 µPa")
