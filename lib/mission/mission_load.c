@@ -13,7 +13,7 @@
 #include "mission/scene_file/scene_keys.h"
 #include "mission/scene_file/yaml_print.h"
 #include "sim/array.h"
-#include "sim/pulse.h"
+#include "sim/coherent.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -114,8 +114,8 @@ static asdic_status check_memory(asdic_context *ctx, const asdic_mission *m) {
     const asdic_sonar *sonar = asdic_mission_sonar(m);
     double speed_mps = asdic_mission_speed_mps(m);
     size_t bins = asdic_sonar_bin_count(sonar, speed_mps);
-    size_t margin = asdic_pulse_margin(sonar, speed_mps, bins);
-    uint64_t needed = (uint64_t)sonar->receiver_count * (bins + margin) * LEVEL_BYTES;
+    asdic_hearing hearing = asdic_hearing_of(sonar, &m->settings.sampling, speed_mps, bins);
+    uint64_t needed = (uint64_t)sonar->receiver_count * (bins + hearing.margin) * LEVEL_BYTES;
     char what[64];
     snprintf(what, sizeof what, "%zu beams of %zu bins need", sonar->receiver_count, bins);
     return asdic_memory_check(ctx, needed, asdic_memory_left(), what,

@@ -535,6 +535,15 @@ static void scenes_beyond_the_memory_are_refused(void **state) {
     assert_contains(asdic_context_error(w->ctx), "2 beams of 150 bins need 9");
     assert_contains(asdic_context_error(w->ctx), " bytes of memory, 85000 are available; use fewer "
                                                  "beams or a longer 'bin_length_m'");
+    /* Smooth pulses of coherent pings reach three times as far, and elements beside the middle. */
+    left = 100000;
+    m = load_text(w, "version: 1\nenvironment: {sound_speed_mps: 1500}\n" FLAT POSE
+                     "sonar: {frequency_khz: 100, bandwidth_khz: 0.1,\n"
+                     "  array: {elements: 16, beams: {count: 2, sector_deg: 9}}}\n"
+                     "sampling: {coherent: true}\n");
+    left = UINT64_MAX;
+    assert_null(m);
+    assert_contains(asdic_context_error(w->ctx), "2 beams of 150 bins need 1");
 }
 
 /* --- written ------------------------------------------------------------------------------------ */
