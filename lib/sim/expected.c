@@ -353,13 +353,13 @@ static asdic_status compute(asdic_context *ctx, const among *with,
                             const asdic_sonar *sonar, asdic_ping *ping) {
     const asdic_flat_scene *flat = &place->flat;
     TRY(check(ctx, place, env, sonar, ping));
-    double range_m = (double)ping->bins * sonar->bin_length_m;
+    double c_mps = asdic_environment_sound_speed_mps(env, flat->depth_m);
+    size_t margin = asdic_pulse_margin(sonar, c_mps, ping->bins), bins = ping->bins + margin;
+    double range_m = (double)bins * sonar->bin_length_m;
     TRY(asdic_environment_check_depths(
         ctx, env, flat->has_surface ? 0.0 : fmax(flat->depth_m - range_m, 0.0),
         flat->depth_m + (flat->has_bottom ? flat->altitude_m : range_m)));
     asdic_flat_laws laws = asdic_flat_laws_at(flat, env, sonar);
-    double c_mps = laws.water.sound_speed_mps;
-    size_t margin = asdic_pulse_margin(sonar, c_mps, ping->bins), bins = ping->bins + margin;
     if (margin == 0) {
         return fill(ctx, with, place, &laws, env, sonar, ping);
     }

@@ -367,8 +367,9 @@ static asdic_status check_water(const asdic_simulator *sim, double sonar_m, doub
                                 double to_m) {
     const asdic_setup *setup = &sim->setup;
     double speed_mps = asdic_environment_sound_speed_mps(&setup->env, sonar_m);
-    double range_m =
-        (double)asdic_sonar_bin_count(&setup->sonar, speed_mps) * setup->sonar.bin_length_m;
+    size_t bins = asdic_sonar_bin_count(&setup->sonar, speed_mps);
+    bins += asdic_hearing_of(&setup->sonar, &setup->sampling, speed_mps, bins).margin;
+    double range_m = (double)bins * setup->sonar.bin_length_m;
     if (!setup->scene->has_surface) {
         from_m = fmin(from_m, fmax(sonar_m - range_m, 0.0));
     }

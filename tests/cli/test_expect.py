@@ -6,6 +6,7 @@ import os
 import re
 import subprocess
 
+import program
 import tap
 from program import PATH, Folder, asdic
 from run_folder import png_texts
@@ -233,6 +234,20 @@ def test_wrong_use():
         tap.contains(asdic("expect", path, "--ping", "1", "-o", "-").check(code=2, out="").err,
                      "--ping 1: the mission has 1 ping (0..0)")
         asdic("expect", folder / "none.yaml").check(code=3, out="")
+
+
+def test_water_ends_where_pulses_are_heard_from():
+    """In open water, beyond the range by half a pulse of 2 m: the sound speed leaves its bounds at 10 m."""
+    program.need_device()
+    text = ("version: 1\nenvironment: {sound_speed_mps: 1500, sound_speed_gradient_per_s: -20}\nbottom: {none: true}\n"
+            "sonar: {frequency_khz: 100, bandwidth_khz: 0.375, max_range_m: %g, bin_length_m: 0.1, receivers: [{name: a}]}\n"
+            "mission: {pose: {position_m: [0, 0, 4]}}\n")
+    with Folder() as folder:
+        for range_m, code in (4.8, 0), (5.5, 2):
+            path = folder.write("open.yaml", text % range_m)
+            for command in "expect", "run":
+                done = asdic(command, path, "-o", "-").check(code=code)
+                tap.equal("the scene reaches" in done.err, code != 0, done.err)
 
 
 def test_redirected_stdout_is_written_and_left_in_place():
