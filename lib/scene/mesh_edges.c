@@ -79,15 +79,20 @@ static size_t slot_in(const weld *w, const double cell[3], const double *v) {
     return slot;
 }
 
+/* A coordinate's, itself where nothing but itself is in reach of it. */
+static double cell_of(const weld *w, double x) {
+    return w->reach_m > 0.0 ? floor(x / w->cell_m) : x;
+}
+
 /* The first vertex that is one with vertex I. Cells are wider than what is in reach of it, which
  * then lies in eight cells at most, mostly in one. */
 static uint32_t first_twin(const weld *w, uint32_t i) {
     const double *v = &w->vertices_m[3 * (size_t)i];
     double own[3], low[3], high[3], cell[3];
     for (int k = 0; k < 3; k++) {
-        own[k] = floor(v[k] / w->cell_m);
-        low[k] = floor((v[k] - w->reach_m) / w->cell_m);
-        high[k] = floor((v[k] + w->reach_m) / w->cell_m);
+        own[k] = cell_of(w, v[k]);
+        low[k] = cell_of(w, v[k] - w->reach_m);
+        high[k] = cell_of(w, v[k] + w->reach_m);
     }
     size_t home = slot_in(w, own, v);
     uint32_t least = w->table[home];

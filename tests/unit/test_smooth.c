@@ -1,7 +1,9 @@
 /* Flat patches and interpolated normals of facets that stand for curved surfaces. */
 #include "asserts.h"
 
+#include "base/clock.h"
 #include "kernels/smooth.h"
+#include "scene/mesh_build.h"
 #include "scene/scene.h"
 #include "scene/smooth.h"
 #include "scene/triangles.h"
@@ -295,6 +297,29 @@ static void other_laws_stay_flat(void **state) {
     asdic_scene_destroy(&scene);
 }
 
+/* An object far from the origin of coordinates whose smallest facet is rounded to a point there. */
+static void a_facet_that_is_a_point_slows_no_welding(void **state) {
+    (void)state;
+    enum { FACETS = 40000, CORNERS = 3 * FACETS };
+    double *vertices_m = malloc(3 * CORNERS * sizeof *vertices_m);
+    uint32_t *welded = malloc(CORNERS * sizeof *welded);
+    for (size_t i = 0; i < CORNERS; i++) { /* a strip, and the point */
+        bool is_point = i / 3 == FACETS - 1;
+        vertices_m[3 * i] = is_point ? -1.0 : (double)(i / 3 + i % 3);
+        vertices_m[3 * i + 1] = (double)(is_point ? 0 : (i / 3 + i % 3) % 2);
+        vertices_m[3 * i + 2] = 20.0;
+    }
+    double start_s = asdic_clock_s();
+    assert_ok(ctx, asdic_weld_vertices(ctx, vertices_m, CORNERS, NULL, FACETS, welded));
+    assert_true(asdic_clock_s() - start_s < 1.0);
+    for (size_t i = 3; i < CORNERS - 3; i++) {
+        assert_int_equal(welded[i], i % 3 == 2 ? i : welded[i - 2]);
+    }
+    assert_int_equal(welded[CORNERS - 1], CORNERS - 3);
+    free(welded);
+    free(vertices_m);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(packing_keeps_directions),
@@ -307,6 +332,7 @@ int main(void) {
         cmocka_unit_test(an_edge_leaves_its_face_flat),
         cmocka_unit_test(facets_wound_either_way_are_one_body),
         cmocka_unit_test(other_laws_stay_flat),
+        cmocka_unit_test(a_facet_that_is_a_point_slows_no_welding),
     };
     if (asdic_context_create(&ctx) != ASDIC_OK) {
         return 1;
