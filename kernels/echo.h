@@ -245,9 +245,10 @@ static bool is_beyond(vector p, vector q, vector normal, float skin) {
 }
 
 /* Tracers widen triangles by a little of their size (TRACE_TOLERANCE), so that those of a long side stick out past a
- * body's end. Whether the ray along U meets T there, at P beyond an edge by more than coordinates are rounded, where the
- * mesh bends to the side that the ray comes from: nobody sees that, and it would return as a whole wall does. */
-static bool is_lip(__global const dev_triangle *t, vector p, vector u) {
+ * body's end. Whether the ray along U meets T there, at P beyond an edge by more than coordinates and RANGE are
+ * rounded, where the mesh bends to the side that the ray comes from: nobody sees that, and it would return as a whole
+ * wall does. */
+static bool is_lip(__global const dev_triangle *t, vector p, vector u, float range) {
     vector normal = vector_of(t->normal[0], t->normal[1], t->normal[2]);
     float away = vector_dot(normal, u);
     uint rims = (away > 0.0f ? t->rims : t->rims >> 3) & 7u;
@@ -257,7 +258,8 @@ static bool is_lip(__global const dev_triangle *t, vector p, vector u) {
     vector a = vector_of(t->v0[0] - p.x, t->v0[1] - p.y, t->v0[2] - p.z);
     vector b = vector_of(t->v1[0] - p.x, t->v1[1] - p.y, t->v1[2] - p.z);
     vector c = vector_of(t->v2[0] - p.x, t->v2[1] - p.y, t->v2[2] - p.z);
-    float skin = 2.0f * TRACE_SKIN * max(max(fabs(p.x), fabs(p.y)), fabs(p.z)) / fabs(away);
+    float most = max(max(fabs(p.x), fabs(p.y)), max(fabs(p.z), range));
+    float skin = 2.0f * TRACE_SKIN * most / fabs(away);
     return ((rims & 1u) != 0u && is_beyond(a, b, normal, skin)) ||
            ((rims & 2u) != 0u && is_beyond(b, c, normal, skin)) ||
            ((rims & 4u) != 0u && is_beyond(c, a, normal, skin));
@@ -312,8 +314,8 @@ static meeting meet(const world *w, __global const dev_hit *hits, natural slots,
     triple at = ray_point(r, m.t), along = ray_direction(r, m.t);
     LANES {
         uint triangle = AT(m.triangle, uint);
-        if (triangle != 0xffffffffu &&
-            is_lip(w->triangles + triangle, lane_of(&at, lane), lane_of(&along, lane))) {
+        if (triangle != 0xffffffffu && is_lip(w->triangles + triangle, lane_of(&at, lane),
+                                              lane_of(&along, lane), AT(m.t, float))) {
             AT(m.triangle, uint) = triangle = 0xffffffffu;
             AT(m.t, float) = AT(m.traced, float) = INFINITY;
         }

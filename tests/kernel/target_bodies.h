@@ -100,6 +100,20 @@ static inline asdic_mesh *body_ellipsoid(asdic_context *ctx, const double size_m
     return soup_mesh(ctx, &s);
 }
 
+/* The half of a ball that is farther along x, or nearer: a bowl or a dome for whoever looks along it. */
+static inline asdic_mesh *body_half_ball(asdic_context *ctx, double radius_m, unsigned levels,
+                                         bool is_bowl) {
+    const double size_m[3] = {radius_m, radius_m, radius_m};
+    soup s = soup_create((size_t)4 << (2 * levels), size_m);
+    for (int quarter = 0; quarter < 4; quarter++) {
+        double x[3] = {is_bowl ? 1.0 : -1.0, 0.0, 0.0};
+        double y[3] = {0.0, quarter & 1 ? -1.0 : 1.0, 0.0};
+        double z[3] = {0.0, 0.0, quarter & 2 ? -1.0 : 1.0};
+        soup_split(&s, x, y, z, levels);
+    }
+    return soup_mesh(ctx, &s);
+}
+
 /* Uneven division of [-1/2, 1/2] into STEPS. */
 static inline double uneven(unsigned i, unsigned steps) {
     double x = (double)i / steps;
