@@ -26,6 +26,9 @@
 #define MANY_FACETS 4.0
 /* A face is cut into two triangles at least, unless it is one. */
 #define SOME_FACETS 1.5
+/* What lies ahead over a bevel goes on turning about its edge; the cap of a round body's end, beside fine strips, has its
+ * normal along that, with this cosine or more. */
+#define ASIDE 0.5
 
 uint32_t asdic_smooth_pack(asdic_vec3 n) {
     double sum = fabs(n.x) + fabs(n.y) + fabs(n.z);
@@ -65,15 +68,19 @@ static asdic_vec3 sum_of_corners(const asdic_surface *s, uint32_t facet) {
     return asdic_vec3_add(sum, asdic_surface_corner(s, 3 * (size_t)facet + 2));
 }
 
-/* Whether what lies over an edge from FACET touches the facet that has CORNER, ahead of it. */
+/* Whether what lies over an edge from FACET touches the facet that has CORNER, ahead of it on the WAY. */
 static bool is_bevel(const asdic_surface *s, uint32_t facet, uint32_t corner, asdic_vec3 way) {
     asdic_vec3 own = asdic_surface_normal(s, facet), from = sum_of_corners(s, corner / 3);
+    asdic_vec3 edge = asdic_vec3_cross(own, asdic_surface_normal(s, corner / 3));
+    double aside = ASIDE * asdic_vec3_length(edge);
     for (uint32_t k = 1; k < 3; k++) {
         uint32_t at = s->vertex[3 * (size_t)(corner / 3) + (corner + k) % 3];
         uint32_t first = s->first[at], end = s->first[at + 1];
         for (uint32_t i = first; i < end && end - first <= ASDIC_MOST_CORNERS; i++) {
             uint32_t next = s->touching[i] / 3;
-            if (asdic_vec3_dot(own, asdic_surface_normal(s, next)) < CREASE_COSINE &&
+            asdic_vec3 normal = asdic_surface_normal(s, next);
+            if (asdic_vec3_dot(own, normal) < CREASE_COSINE &&
+                fabs(asdic_vec3_dot(edge, normal)) < aside &&
                 asdic_vec3_dot(way, asdic_vec3_sub(sum_of_corners(s, next), from)) > 0.0) {
                 return true;
             }

@@ -200,6 +200,52 @@ static void a_cylinder_is_straight_one_way(void **state) {
     asdic_scene_destroy(&scene);
 }
 
+/* A capped cylinder of strips of 15 degrees, one of which is cut into eight: each is as round as any other. */
+static void fine_strips_leave_a_capped_cylinder_round(void **state) {
+    (void)state;
+    enum { COARSE = 24, FINE = 8, ROUND = COARSE - 1 + FINE };
+    double v[6 * ROUND + 6];
+    uint32_t f[3 * 4 * ROUND];
+    for (uint32_t i = 0; i < ROUND; i++) {
+        double angle = i < FINE ? 2.0 * PI / COARSE * i / FINE : 2.0 * PI / COARSE * (i + 1 - FINE);
+        for (int end = 0; end < 2; end++) {
+            double *at = v + 6 * i + 3 * end;
+            at[0] = 0.1 * cos(angle);
+            at[1] = 0.1 * sin(angle);
+            at[2] = 0.3 * end;
+        }
+        uint32_t a = 2 * i, b = 2 * ((i + 1) % ROUND), low = 2 * ROUND, high = low + 1;
+        const uint32_t one_way[] = {a, b, b + 1, a, b + 1, a + 1, low, b, a, high, a + 1, b + 1};
+        const uint32_t other[] = {a, b, a + 1, b, b + 1, a + 1, low, b, a, high, a + 1, b + 1};
+        memcpy(f + 12 * i, i % 3 ? one_way : other, sizeof other);
+    }
+    const double ends[] = {0.0, 0.0, 0.0, 0.0, 0.0, 0.3};
+    memcpy(v + 6 * ROUND, ends, sizeof ends);
+    asdic_mesh *mesh;
+    assert_ok(ctx, asdic_mesh_from_triangles(ctx, v, 2 * ROUND + 2, f, 4 * ROUND, &mesh));
+    asdic_pose upright = {.position_m = {40.0, 0.0, 12.0}};
+    asdic_scene *scene = scene_of(mesh, upright, asdic_material_facet(45.0, 0.0, 0.0));
+    double most = 0.0;
+    size_t caps = 0;
+    for (size_t i = 0; i < scene->triangle_count; i++) {
+        const dev_triangle *t = &scene->triangles[i];
+        if (t->corner_normals[0] == DEV_FLAT) {
+            caps++;
+            continue;
+        }
+        for (int k = 0; k < 3; k++) {
+            float p[3];
+            point_at(t, k == 1, k == 2, p);
+            double x = p[0] + scene->origin_m.x - 40.0, y = p[1] + scene->origin_m.y;
+            most = fmax(most, off_rad(t, p, (asdic_vec3){x, y, 0.0}) * COARSE / (2.0 * PI));
+        }
+    }
+    print_message("normals off by %.3f of a coarse strip's step\n", most);
+    assert_true(most < 0.25);
+    assert_int_equal(caps, 2 * ROUND);
+    asdic_scene_destroy(&scene);
+}
+
 /* Strips of 1 m that turn by so much from one to the next, each in CUTS along its width. */
 static asdic_scene *folded(const double *lengths_m, const double *turns_rad, int strips, int cuts) {
     enum { MOST = 16 };
@@ -329,6 +375,7 @@ int main(void) {
         cmocka_unit_test(twins_are_one_vertex),
         cmocka_unit_test(neighbours_are_no_twins),
         cmocka_unit_test(a_cylinder_is_straight_one_way),
+        cmocka_unit_test(fine_strips_leave_a_capped_cylinder_round),
         cmocka_unit_test(an_edge_leaves_its_face_flat),
         cmocka_unit_test(facets_wound_either_way_are_one_body),
         cmocka_unit_test(other_laws_stay_flat),
