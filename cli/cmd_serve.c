@@ -239,6 +239,8 @@ static asdic_status start(server *s, asdic_device *device) {
     s->writer.bin_length_m = sonar->bin_length_m;
     if (s->writer.has_expected || s->writer.has_detections) {
         TRY(asdic_lookout_create(ctx, s->mission, s->writer.bins, &s->lookout));
+    }
+    if (s->writer.has_expected) {
         s->expected_db = malloc(sonar->receiver_count * s->writer.bins * sizeof(float));
         TRY(s->expected_db ? ASDIC_OK : ASDIC_ERROR_MEMORY);
     }
@@ -378,9 +380,9 @@ const cli_command cli_serve_command = {
         "starboard. csv: a header, then a line per ping with its levels beam by beam. raw: 56 "
         "bytes, little-endian (\"ASDP\"; uint32 status; uint64 ping; double time_s, altitude_m, "
         "bin_length_m; uint32 beams, bins, arrays, line), then float32 [arrays][beam][bin].\n\n"
-        "--expected is of the nearest place of a grid, 1 mm in altitude and depth and 1e-4 degrees "
-        "in roll and pitch: within 0.1 dB, but where a bin holds a few mm of a plane's first "
-        "echo. "
+        "--expected is of a place on a grid, 1 mm in altitude and depth, rounded down, and 1e-4 "
+        "degrees in roll and pitch: within 0.1 dB in nearly all bins, but not in the first of a "
+        "plane's echo, of which a bin may hold up to a mm more. "
         "--detect adds what exceeds the expected level by more than the scene's detector allows "
         "(detector.pfa): in JSON \"detections\" with beam, range_m and llr, the logarithm of the "
         "likelihood ratio; in CSV a last column of beam:range; raw a last array, NaN where nothing "

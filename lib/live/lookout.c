@@ -212,11 +212,22 @@ static asdic_status expect(asdic_lookout *lookout, const asdic_loop_ping *ping) 
     return ASDIC_OK;
 }
 
+/* A ping of the loop that LOOKOUT is for. */
+static asdic_status check_ping(const asdic_lookout *lookout, const asdic_loop_ping *ping) {
+    size_t beams = lookout->sonar.receiver_count;
+    return ping->beams == beams && ping->bins == lookout->bins
+               ? ASDIC_OK
+               : asdic_fail(lookout->ctx, ASDIC_ERROR_ARGUMENT,
+                            "a ping of %zu beams and %zu bins: the lookout is for %zu and %zu",
+                            ping->beams, ping->bins, beams, lookout->bins);
+}
+
 asdic_status asdic_lookout_expect(asdic_lookout *lookout, const asdic_loop_ping *ping,
                                   const double **total_lin) {
     if (!lookout || !ping || !total_lin) {
         return asdic_fail_null(lookout ? lookout->ctx : NULL, __func__);
     }
+    TRY(check_ping(lookout, ping));
     TRY(expect(lookout, ping));
     *total_lin = lookout->total_lin;
     return ASDIC_OK;
@@ -243,6 +254,7 @@ asdic_status asdic_lookout_detect(asdic_lookout *lookout, const asdic_loop_ping 
         return asdic_fail_null(lookout ? lookout->ctx : NULL, __func__);
     }
     bool is_flat = lookout->is_flat;
+    TRY(check_ping(lookout, ping));
     tell(lookout);
     if (is_flat) {
         TRY(expect(lookout, ping));

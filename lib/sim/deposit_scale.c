@@ -75,7 +75,7 @@ void asdic_deposit_scales(const asdic_scene *scene, const asdic_beam *transmitte
         double sum = 2.0 * loss * (c == DEV_DEPOSIT_MULTIPATH ? sphere : sent) * bound[c];
         ping->sums.scale[c] = (float)exp2(floor(61.0 - log2(sum)));
     }
-    /* A sum overflows at 64 such deposits. Each needs a ray that stands for half of what the
+    /* A sum overflows at 64 such deposits, that of depressions, which weigh up to 2, at 32. Each needs a ray that stands for half of what the
      * transmitter sends out or more and meets the loudest thing there is. */
     ping->sums.limit = (float)exp2(57.0);
 }

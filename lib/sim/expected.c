@@ -250,6 +250,11 @@ static double on_grid(double x, double step) {
     return step > 0.0 ? round(x / step) * step : x;
 }
 
+/* Rounded down: of a first echo that is expected late nothing is where it comes, and the bin would stand out. */
+static double height_on_grid(double x_m, double step_m) {
+    return step_m > 0.0 ? floor(x_m / step_m + 1e-6) * step_m : x_m;
+}
+
 static double axis_elevation(const asdic_face *face) {
     return asin(fmin(fmax(face->world_to_face.m[0][2], -1.0), 1.0));
 }
@@ -403,8 +408,8 @@ asdic_expected_place asdic_expected_place_on_grid(const asdic_flat_scene *flat,
     asdic_expected_place place = {.flat = *flat,
                                   .pose = {.roll_rad = on_grid(pose->roll_rad, step_rad),
                                            .pitch_rad = on_grid(pose->pitch_rad, step_rad)}};
-    place.flat.altitude_m = on_grid(flat->altitude_m, step_m);
-    place.flat.depth_m = on_grid(flat->depth_m, step_m);
+    place.flat.altitude_m = height_on_grid(flat->altitude_m, step_m);
+    place.flat.depth_m = height_on_grid(flat->depth_m, step_m);
     return place;
 }
 

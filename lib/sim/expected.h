@@ -30,8 +30,9 @@ double asdic_flat_strength(const asdic_flat_laws *laws, bool surface, double sin
 double asdic_flat_solid_angle(const asdic_flat_scene *flat, const asdic_ring_profile *profile,
                               double d_m);
 
-/* The place over FLAT in POSE's attitude, so that places which differ by less than a step are one: heights on a grid of
- * STEP_M, roll and pitch of STEP_RAD; as they are with a step of 0. */
+/* The place over FLAT in POSE's attitude, so that places which differ by less than a step are one: altitude
+ * and depth on a grid of STEP_M, rounded down, so that no first echo is expected late; roll and pitch on
+ * one of STEP_RAD, rounded; as they are with a step of 0. */
 asdic_expected_place asdic_expected_place_on_grid(const asdic_flat_scene *flat,
                                                   const asdic_pose *pose, double step_m,
                                                   double step_rad);

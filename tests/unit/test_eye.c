@@ -178,7 +178,7 @@ static void places_are_on_a_grid(void **state) {
     asdic_mission *m = load(&s);
     eye = (asdic_eye){.device = t.device, .lookout.ctx = t.ctx};
     assert_ok(t.ctx, asdic_eye_open(&eye, m, DEPTH_M, s.reach_m));
-    asdic_pose pose = {.position_m = {0, 0, DEPTH_M}};
+    asdic_pose pose = {.position_m = {0, 0, DEPTH_M + 0.0005}}; /* between two depths of the grid */
     asdic_loop_ping ping;
     asdic_scan_result seen;
     assert_ok(t.ctx, asdic_eye_look(&eye, &pose, &ping, &seen));
@@ -188,14 +188,55 @@ static void places_are_on_a_grid(void **state) {
     assert_non_null(first);
     memcpy(first, seen.background_lin, bytes);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        pose = (asdic_pose){.position_m = {0, 0, DEPTH_M + cases[i].deeper_m},
+        pose = (asdic_pose){.position_m = {0, 0, DEPTH_M + 0.0005 + cases[i].deeper_m},
                             .pitch_rad = cases[i].pitch_deg * DEGREE,
                             .roll_rad = cases[i].roll_deg * DEGREE};
         assert_ok(t.ctx, asdic_eye_look(&eye, &pose, &ping, &seen));
         assert_int_equal(memcmp(seen.background_lin, first, bytes) == 0, cases[i].is_same);
     }
     free(first);
+    ping.bins++; /* another loop's */
+    const double *total_lin;
+    assert_status(t.ctx, asdic_lookout_expect(&eye.lookout, &ping, &total_lin),
+                  ASDIC_ERROR_ARGUMENT);
+    assert_status(t.ctx, asdic_lookout_detect(&eye.lookout, &ping, &seen), ASDIC_ERROR_ARGUMENT);
+    assert_contains(asdic_context_error(t.ctx), "the lookout is for 2 and");
     asdic_eye_close(&eye);
+    asdic_mission_destroy(&m);
+}
+
+/* A bin that holds the first part of a millimetre of the bottom's echo, or a few of them, is expected to hold it: by no
+ * less than 0.1 dB. Bins are 0.25 m, altitudes that or a little more below a multiple. */
+static void first_echoes_are_not_expected_late(void **state) {
+    (void)state;
+    static const double deeper_m[] = {0.0001, 0.0003, 0.0005, 0.0009, 0.0023};
+    const sight s = {
+        "{depth_m: 12, type: sand}", "source_level_db: 200", TWO, "", 12.0, ASDIC_TRIAL_AUTO, FLAT};
+    asdic_mission *m = load(&s);
+    eye = (asdic_eye){.device = t.device, .lookout.ctx = t.ctx};
+    assert_ok(t.ctx, asdic_eye_open(&eye, m, DEPTH_M, s.reach_m));
+    for (size_t i = 0; i < sizeof deeper_m / sizeof *deeper_m; i++) {
+        const asdic_pose pose = {.position_m = {0, 0, DEPTH_M + deeper_m[i]}};
+        asdic_flat_scene flat = asdic_mission_flat_scene(m, 0);
+        asdic_loop_ping ping;
+        asdic_scan_result seen;
+        asdic_ping *right = NULL;
+        flat.altitude_m -= deeper_m[i];
+        flat.depth_m += deeper_m[i];
+        assert_ok(t.ctx, asdic_eye_look(&eye, &pose, &ping, &seen));
+        assert_ok(t.ctx, asdic_ping_create(t.ctx, ping.beams, ping.bins, &right));
+        assert_ok(t.ctx, asdic_expected_compute(t.ctx, &flat, asdic_mission_environment(m),
+                                                asdic_mission_sonar(m), &pose, right));
+        size_t bin = (size_t)(flat.altitude_m / 0.25);
+        for (size_t b = 0; b < ping.beams; b++) {
+            double right_lin = right->intensity_lin[ASDIC_TOTAL][b * ping.bins + bin];
+            double off_db = 10.0 * log10(seen.background_lin[b * ping.bins + bin] / right_lin);
+            print_message("%.1f mm of the first echo: %.2f dB\n", 1e3 * deeper_m[i], off_db);
+            assert_true(bin == 19 && off_db > -0.1);
+        }
+        asdic_ping_destroy(&right);
+    }
+    asdic_eye_finish(&eye);
     asdic_mission_destroy(&m);
 }
 
@@ -277,6 +318,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(an_eye_sees_what_a_new_one_would, finish),
         cmocka_unit_test_teardown(places_are_on_a_grid, finish),
+        cmocka_unit_test_teardown(first_echoes_are_not_expected_late, finish),
         cmocka_unit_test_teardown(narrow_beams_are_seen_as_they_are_turned, finish),
     };
     t = test_device_open_or_skip();

@@ -30,14 +30,15 @@ ASDIC_API asdic_status asdic_lookout_create(asdic_context *ctx, const asdic_miss
 ASDIC_API void asdic_lookout_destroy(asdic_lookout **lookout);
 
 /* What is expected over a plane below the vehicle of PING without objects, noise included,
- * [beam * bins + bin]; valid until the next call for this lookout. It is that of the nearest place
- * of a grid, 1 mm in altitude and depth and 1e-4 degrees in roll and pitch, and a function of that
- * place alone: within 0.1 dB of asdic_expected_compute wherever a beam is not 40 dB below its
- * loudest bin, but for a bin that holds only some mm of a plane's first echo. */
+ * [beam * bins + bin]; valid until the next call for this lookout. It is that of a place on a grid,
+ * 1 mm in altitude and depth, both rounded down, and 1e-4 degrees in roll and pitch, and a function
+ * of that place alone: within 0.1 dB of asdic_expected_compute in nearly all bins within 40 dB of a
+ * beam's loudest, but not in the first of a plane's echo, of which a bin may hold up to a mm more.
+ * ASDIC_ERROR_ARGUMENT where PING has other beams or bins than the lookout is for. */
 ASDIC_API asdic_status asdic_lookout_expect(asdic_lookout *lookout, const asdic_loop_ping *ping,
                                             const double **total_lin);
 
-/* Decides about PING; FOUND is valid until the next call for this lookout. */
+/* Decides about PING; FOUND is valid until the next call for this lookout. Errors as above. */
 ASDIC_API asdic_status asdic_lookout_detect(asdic_lookout *lookout, const asdic_loop_ping *ping,
                                             asdic_scan_result *found);
 
