@@ -11,8 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Expected levels are those of the nearest place on a grid, so that they are a function of the place
- * alone, whatever was flown before. The steps are fine: the echo from straight below ends at the
+/* Expected levels are those of a place on a grid, so that they are a function of that place alone,
+ * whatever was flown before. The steps are fine: the echo from straight below ends at the
  * edge of a bin, and a beam of half a degree falls by up to 3 dB a mrad. */
 #define STEP_M 1e-3
 #define STEP_RAD (1e-4 * ASDIC_PI / 180.0)

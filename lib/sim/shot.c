@@ -134,9 +134,10 @@ static void place_faces(const asdic_simulator *sim, dev_ping *ping) {
 /* Objects, and their images in planes that mirror. */
 static void place_cones(const asdic_simulator *sim, asdic_ping_shot *shot) {
     asdic_passage ways[ASDIC_MOST_PASSAGES];
-    size_t count = asdic_passages_find(sim, shot->pose.position_m.z, ways);
-    asdic_cones_place(sim->placement->parts, sim->setup.scene->part_count, shot->pose.position_m,
-                      asdic_shot_beams(shot), ways, count, shot->ping);
+    size_t parts = sim->setup.scene->part_count;
+    size_t count = parts > 0 ? asdic_passages_find(sim, shot->pose.position_m.z, ways) : 0;
+    asdic_cones_place(sim->placement->parts, parts, shot->pose.position_m, asdic_shot_beams(shot),
+                      ways, count, shot->ping);
 }
 
 static dev_uint sampler_code(asdic_sampler sampler) {

@@ -103,13 +103,19 @@ static const layered_case layered_cases[] = {
     {4.9, 40.0, 4.8, {3, {0.0, 5.0, 10.0}, {1500.0, 1500.0, 1480.0}}},
 };
 
-static ping_rig layered_rig(const layered_case *c) {
+/* One beam in open water that returns nothing. */
+static ping_rig silent_rig(void) {
     ping_rig r = rig_create(&t);
     asdic_scene_destroy(&r.scene);
     assert_ok(t.ctx, asdic_scene_create(t.ctx, &r.scene));
     asdic_scene_set_surface(r.scene, false);
     r.sampling.left_out = 1u << ASDIC_TERM_VOLUME;
     r.sonar.receiver_count = 1;
+    return r;
+}
+
+static ping_rig layered_rig(const layered_case *c) {
+    ping_rig r = silent_rig();
     r.env.sound_speed_profile = c->profile;
     r.pose.position_m.z = c->sonar_m;
     asdic_mesh *mesh = NULL;
@@ -392,12 +398,7 @@ static void pilots_learn_where_a_ball_is(void **state) {
     int cells[3];
     (void)state;
     for (int at = 0; at < 3; at++) {
-        ping_rig r = rig_create(&t);
-        asdic_scene_destroy(&r.scene);
-        assert_ok(t.ctx, asdic_scene_create(t.ctx, &r.scene));
-        asdic_scene_set_surface(r.scene, false);
-        r.sampling.left_out = 1u << ASDIC_TERM_VOLUME;
-        r.sonar.receiver_count = 1;
+        ping_rig r = silent_rig();
         asdic_mesh *mesh = NULL;
         assert_ok(t.ctx, asdic_mesh_sphere(t.ctx, 0.5, 32, &mesh));
         double yaw_rad = yaws_deg[at] * RIG_DEGREE;

@@ -28,14 +28,8 @@ static const char *kept_rows(void) {
 /* A whole trial, or a part of one, is replaced by --force alone, gone on with by --resume alone, and then the same. */
 static void a_trial_is_kept_or_gone_on_with(void **state) {
     (void)state;
-    char scene[200], kept[200], path[240], first[2000], begun[2000];
-    write_file("empty.yaml", empty, "");
-    snprintf(scene, sizeof scene, "%s/empty.yaml", folder);
-    snprintf(kept, sizeof kept, "%s/kept", folder);
-    asdic_trial_options options = asdic_trial_options_default();
-    options.scene = scene;
-    options.folder = kept;
-    options.runs = 3;
+    char path[240], first[2000], begun[2000];
+    asdic_trial_options options = flight_to("kept", 3);
     options.variants.count = 2; /* of no key */
     assert_status(ctx, asdic_trial_fly(ctx, NULL, 0, &options), ASDIC_ERROR_ARGUMENT);
     options.variants = (asdic_trial_variants){.key = "seed", .count = 1};
@@ -70,10 +64,10 @@ static void a_trial_is_kept_or_gone_on_with(void **state) {
     snprintf(begun, sizeof begun, "%.*s", (int)(end_of_row - first), first);
     for (int force = 0; force < 2; force++) {
         char json[240];
-        snprintf(path, sizeof path, "%s/trial.json", kept);
-        snprintf(json, sizeof json, "%s/trial.part.json", kept);
+        snprintf(path, sizeof path, "%s/trial.json", options.folder);
+        snprintf(json, sizeof json, "%s/trial.part.json", options.folder);
         assert_int_equal(rename(path, json), 0);
-        snprintf(path, sizeof path, "%s/trial.csv", kept);
+        snprintf(path, sizeof path, "%s/trial.csv", options.folder);
         assert_int_equal(unlink(path), 0);
         write_file("kept/trial.part.csv", begun, "");
         assert_status(ctx, asdic_trial_fly(ctx, NULL, 0, &options), ASDIC_ERROR_EXISTS);
@@ -83,7 +77,7 @@ static void a_trial_is_kept_or_gone_on_with(void **state) {
         options.resume = !force;
         assert_ok(ctx, asdic_trial_fly(ctx, NULL, 0, &options));
         assert_string_equal(kept_rows(), first);
-        snprintf(path, sizeof path, "%s/trial.part.csv", kept);
+        snprintf(path, sizeof path, "%s/trial.part.csv", options.folder);
         assert_int_not_equal(access(path, F_OK), 0);
         options.force = options.resume = false;
     }
@@ -92,25 +86,19 @@ static void a_trial_is_kept_or_gone_on_with(void **state) {
 /* Rows that another process is writing stay its own, and what it says they are. */
 static void another_keeps_its_trial(void **state) {
     (void)state;
-    char scene[200], whole[200], path[220], text[4000] = "";
-    snprintf(scene, sizeof scene, "%s/empty.yaml", folder);
-    snprintf(whole, sizeof whole, "%s/whole", folder);
-    mkdir(whole, 0777);
-    write_file("empty.yaml", empty, "");
+    char path[220], text[4000] = "";
+    asdic_trial_options options = flight_to("whole", 2);
+    mkdir(options.folder, 0777);
     write_file("whole/trial.part.json", facts, "  ]\n}\n");
     write_file("whole/trial.part.csv", header, rows);
-    snprintf(path, sizeof path, "%s/trial.part.csv", whole);
+    snprintf(path, sizeof path, "%s/trial.part.csv", options.folder);
     int fd = open(path, O_RDONLY);
     assert_int_equal(flock(fd, LOCK_EX | LOCK_NB), 0);
-    asdic_trial_options options = asdic_trial_options_default();
-    options.scene = scene;
-    options.folder = whole;
-    options.runs = 2;
     options.force = true;
     assert_status(ctx, asdic_trial_fly(ctx, NULL, 0, &options), ASDIC_ERROR_IO);
     assert_contains(asdic_context_error(ctx), "another process is writing it just now");
     close(fd);
-    snprintf(path, sizeof path, "%s/trial.part.json", whole);
+    snprintf(path, sizeof path, "%s/trial.part.json", options.folder);
     FILE *file = fopen(path, "r");
     text[fread(text, 1, sizeof text - 1, file)] = 0;
     fclose(file);
@@ -151,22 +139,10 @@ asdic_status __wrap_asdic_trial_run_one(asdic_eye *eye, const asdic_trial_job *j
     return asdic_fail(eye->lookout.ctx, ASDIC_ERROR_INPUT, "the first");
 }
 
-static asdic_trial_options two_runs(const char scene[], const char whole[]) {
-    asdic_trial_options options = asdic_trial_options_default();
-    write_file("empty.yaml", empty, "");
-    options.scene = scene;
-    options.folder = whole;
-    options.runs = 2;
-    return options;
-}
-
 /* What failed first ends a trial, and is told: others may fail because of it. */
 static void the_first_failure_is_told(void **state) {
     (void)state;
-    char scene[200], whole[200];
-    snprintf(scene, sizeof scene, "%s/empty.yaml", folder);
-    snprintf(whole, sizeof whole, "%s/whole", folder);
-    asdic_trial_options options = two_runs(scene, whole);
+    asdic_trial_options options = flight_to("whole", 2);
     options.force = true;
     both_fail = true;
     assert_status(ctx, asdic_trial_fly(ctx, NULL, 0, &options), ASDIC_ERROR_INPUT);
@@ -177,13 +153,9 @@ static void the_first_failure_is_told(void **state) {
 /* A sonar that is ideal flies as many runs at a time as there are devices, though it needs none. */
 static void one_device_is_one_worker(void **state) {
     (void)state;
-    char scene[200], whole[200];
     asdic_device *devices[1] = {NULL};
-    snprintf(scene, sizeof scene, "%s/empty.yaml", folder);
-    snprintf(whole, sizeof whole, "%s/whole", folder);
-    asdic_trial_options options = two_runs(scene, whole);
+    asdic_trial_options options = flight_to("whole", 200);
     options.force = true;
-    options.runs = 200;
     by_others = 0;
     assert_ok(ctx, asdic_trial_fly(ctx, devices, 1, &options));
     assert_int_equal(by_others, 0);
@@ -192,10 +164,8 @@ static void one_device_is_one_worker(void **state) {
 /* A run of a trial is flown again where everything that it needs is named. */
 static void a_run_again_needs_all_it_asks_for(void **state) {
     (void)state;
-    char scene[200], again[200];
-    snprintf(scene, sizeof scene, "%s/empty.yaml", folder);
-    snprintf(again, sizeof again, "%s/again", folder);
-    asdic_trial_options options = two_runs(scene, again), none = options;
+    asdic_trial_options options = flight_to("again", 2), none = options;
+    const char *again = options.folder;
     asdic_trial_run flown = {.time_s = NAN};
     none.scene = NULL;
     const struct {
@@ -224,10 +194,8 @@ static void a_run_again_needs_all_it_asks_for(void **state) {
 /* Only a sonar that is ideal needs none, and no rule can ask for its pings. */
 static void what_pings_needs_a_device(void **state) {
     (void)state;
-    char scene[200], whole[200], heard[1000];
-    snprintf(scene, sizeof scene, "%s/empty.yaml", folder);
-    snprintf(whole, sizeof whole, "%s/again", folder);
-    asdic_trial_options options = two_runs(scene, whole);
+    char heard[1000];
+    asdic_trial_options options = flight_to("again", 2);
     const asdic_trial_rule rule = {.name = "never asked"};
     asdic_trial_run flown;
     options.force = true;
@@ -241,7 +209,8 @@ static void what_pings_needs_a_device(void **state) {
             if (has_rule || !is_ideal) {
                 assert_status(ctx, asdic_trial_fly(ctx, NULL, 0, &options), ASDIC_ERROR_ARGUMENT);
                 assert_contains(asdic_context_error(ctx), why);
-                assert_status(ctx, asdic_trial_replay(ctx, NULL, &options, 0, 0, whole, &flown),
+                assert_status(ctx,
+                              asdic_trial_replay(ctx, NULL, &options, 0, 0, options.folder, &flown),
                               ASDIC_ERROR_ARGUMENT);
                 assert_contains(asdic_context_error(ctx), why);
             }

@@ -182,18 +182,12 @@ static asdic_status note_result(void *user, unsigned to, const void *data, size_
 /* One of several processes flies its own runs, and tells the first of them. */
 static void a_team_has_parts(void **state) {
     (void)state;
-    char scene[200], whole[200], part[200];
+    char part[200];
     asdic_message told = {.kind = 0};
     asdic_team team = {.rank = 1, .size = 2, .send = note_result, .user = &told};
-    asdic_trial_options options = asdic_trial_options_default();
+    asdic_trial_options options = flight_to("team", 2);
     asdic_trial *t = NULL;
-    write_file("empty.yaml", empty, "");
-    snprintf(scene, sizeof scene, "%s/empty.yaml", folder);
-    snprintf(whole, sizeof whole, "%s/team", folder);
     snprintf(part, sizeof part, "%s/team/part_1_2", folder);
-    options.scene = scene;
-    options.folder = whole;
-    options.runs = 2;
     options.team = &team;
     assert_ok(ctx, asdic_trial_fly(ctx, NULL, 0, &options));
     assert_int_equal(told.kind, ASDIC_MESSAGE_RESULT);
@@ -258,26 +252,20 @@ static void stop_after_first_row(const char *name) {
 static void a_team_joins_its_parts(void **state) {
     (void)state;
     static const char *const names[] = {"joined_new", "joined_forced", "joined_resumed"};
-    char scene[200], whole[200], path[220];
-    write_file("empty.yaml", empty, "");
-    snprintf(scene, sizeof scene, "%s/empty.yaml", folder);
+    char path[220];
     for (int k = 0; k < 3; k++) {
         asdic_message told = {.kind = 0};
         asdic_team teams[] = {{.rank = 0, .size = 2, .receive = give_result, .user = &told},
                               {.rank = 1, .size = 2, .send = note_result, .user = &told}};
-        asdic_trial_options options = asdic_trial_options_default();
+        asdic_trial_options options = flight_to(names[k], 3);
         asdic_trial *t = NULL;
-        snprintf(whole, sizeof whole, "%s/%s", folder, names[k]);
-        assert_int_equal(mkdir(whole, 0777), 0);
+        assert_int_equal(mkdir(options.folder, 0777), 0);
         if (k == 1) {
             snprintf(path, sizeof path, "%s/trial.json", names[k]);
             write_file(path, facts, "  ]\n}\n");
             snprintf(path, sizeof path, "%s/trial.csv", names[k]);
             write_file(path, header, rows);
         }
-        options.scene = scene;
-        options.folder = whole;
-        options.runs = 3;
         if (k == 2) {
             assert_ok(ctx, asdic_trial_fly(ctx, NULL, 0, &options));
             stop_after_first_row(names[k]);
@@ -288,13 +276,13 @@ static void a_team_joins_its_parts(void **state) {
             options.team = &teams[rank];
             assert_ok(ctx, asdic_trial_fly(ctx, NULL, 0, &options));
         }
-        assert_ok(ctx, asdic_trial_open(ctx, whole, &t));
+        assert_ok(ctx, asdic_trial_open(ctx, options.folder, &t));
         assert_int_equal(t->row_count, 3);
         assert_int_equal(t->facts.count, 3);
         assert_null(t->facts.rule);
         assert_int_equal(t->rows[0].flown.pings, k == 2 ? 77 : 3);
         asdic_trial_close(&t);
-        assert_no_part(whole);
+        assert_no_part(options.folder);
     }
 }
 
@@ -302,18 +290,12 @@ static void a_team_joins_its_parts(void **state) {
 static void a_stopped_team_may_have_another_size(void **state) {
     (void)state;
     static const char *const names[] = {"resized_alone", "resized_team"};
-    char scene[200], whole[200], path[220];
-    write_file("empty.yaml", empty, "");
-    snprintf(scene, sizeof scene, "%s/empty.yaml", folder);
+    char path[220];
     for (int k = 0; k < 2; k++) {
         asdic_message told = {.kind = 0};
         asdic_team second = {.rank = 1, .size = 2, .send = note_result, .user = &told};
-        asdic_trial_options options = asdic_trial_options_default();
+        asdic_trial_options options = flight_to(names[k], 4);
         asdic_trial *t = NULL;
-        snprintf(whole, sizeof whole, "%s/%s", folder, names[k]);
-        options.scene = scene;
-        options.folder = whole;
-        options.runs = 4;
         options.team = &second; /* runs 2 and 3 */
         assert_ok(ctx, asdic_trial_fly(ctx, NULL, 0, &options));
         snprintf(path, sizeof path, "%s/part_2_4", names[k]);
@@ -335,13 +317,13 @@ static void a_stopped_team_may_have_another_size(void **state) {
         if (k == 0) {
             assert_ok(ctx, asdic_trial_fly(ctx, NULL, 0, &options));
         }
-        assert_ok(ctx, asdic_trial_open(ctx, whole, &t));
+        assert_ok(ctx, asdic_trial_open(ctx, options.folder, &t));
         assert_int_equal(t->row_count, 4);
         for (size_t i = 0; i < 4; i++) {
             assert_int_equal(t->rows[i].flown.pings, i == 2 ? 77 : 3);
         }
         asdic_trial_close(&t);
-        assert_no_part(whole);
+        assert_no_part(options.folder);
     }
 }
 
@@ -362,16 +344,9 @@ static asdic_status excuse(void *user, unsigned *from, const void **data, size_t
 
 static void one_that_stays_away_is_not_waited_for(void **state) {
     (void)state;
-    char scene[200], whole[200];
     unsigned looks = 0;
     asdic_team team = {.rank = 0, .size = 2, .receive = excuse, .user = &looks};
-    asdic_trial_options options = asdic_trial_options_default();
-    write_file("empty.yaml", empty, "");
-    snprintf(scene, sizeof scene, "%s/empty.yaml", folder);
-    snprintf(whole, sizeof whole, "%s/team", folder);
-    options.scene = scene;
-    options.folder = whole;
-    options.runs = 2;
+    asdic_trial_options options = flight_to("team", 2);
     options.team = &team;
     assert_status(ctx, asdic_trial_fly(ctx, NULL, 0, &options), ASDIC_ERROR_INPUT);
     assert_string_equal(asdic_context_error(ctx), "process 1: the scene is not here");

@@ -66,6 +66,19 @@ static inline void replace(const char *whole, const char *word, const char *othe
     assert_true(length < 1000);
 }
 
+/* RUNS of the scene EMPTY, to be flown into FOLDER/NAME; paths are valid until the next call. */
+static inline asdic_trial_options flight_to(const char *name, uint64_t runs) {
+    static char scene[200], whole[200];
+    asdic_trial_options options = asdic_trial_options_default();
+    write_file("empty.yaml", empty, "");
+    snprintf(scene, sizeof scene, "%s/empty.yaml", folder);
+    snprintf(whole, sizeof whole, "%s/%s", folder, name);
+    options.scene = scene;
+    options.folder = whole;
+    options.runs = runs;
+    return options;
+}
+
 static inline int remove_one(const char *path, const struct stat *about, int kind,
                              struct FTW *place) {
     (void)about, (void)kind, (void)place;
