@@ -21,6 +21,7 @@
 #define PLACES 5
 #define BEAMS 3
 #define SAFETY 1.25
+#define FORMS (ASDIC_REFRACTION_OFF + 1)
 
 /* Objects whose echoes are compared, at most. */
 #define TARGETS 32
@@ -97,8 +98,10 @@ typedef struct comparison {
     asdic_sonar sonar;
     asdic_beam beams[BEAMS];
     depth_span span;
+    asdic_ring_shelf *shelf;
     asdic_ping *truth, *other;
-    bool decides; /* for the choice alone: what is known to matter is looked at no longer */
+    size_t expected; /* pings so far */
+    bool decides;    /* for the choice alone: what is known to matter is looked at no longer */
 } comparison;
 
 static bool is_open(const comparison *c, double bound_db) {
@@ -108,7 +111,8 @@ static bool is_open(const comparison *c, double bound_db) {
 static asdic_status expect(comparison *c, asdic_refraction form, const asdic_expected_place *at,
                            asdic_ping *out) {
     asdic_environment env = in_form(asdic_mission_environment(c->mission), form, &c->span);
-    return asdic_expected_compute(c->ctx, &at->flat, &env, &c->sonar, &at->pose, out);
+    TRY(asdic_step(c->ctx, "expected pings", c->expected++, PLACES * FORMS));
+    return asdic_expected_compute_among(c->ctx, c->shelf, at, 0.0, &env, &c->sonar, out);
 }
 
 /* The largest change of any bin's total. */
@@ -141,8 +145,6 @@ static asdic_status compare(comparison *c, const asdic_expected_place *at,
 }
 
 /* ---- Echoes of objects ---- */
-
-#define FORMS (ASDIC_REFRACTION_OFF + 1)
 
 /* The direct ray to an object's middle that spreads least. */
 typedef struct sight {
@@ -276,6 +278,7 @@ static asdic_status compare_places(comparison *c, asdic_refraction_plan *out) {
     double speed_mps =
         asdic_environment_sound_speed_mps(asdic_mission_environment(c->mission), c->span.least_m);
     size_t bins = asdic_sonar_bin_count(&c->sonar, speed_mps);
+    TRY(asdic_ring_shelf_create(c->ctx, PLACES, &c->shelf));
     TRY(asdic_ping_create(c->ctx, c->sonar.receiver_count, bins, &c->truth));
     TRY(asdic_ping_create(c->ctx, c->sonar.receiver_count, bins, &c->other));
     for (size_t i = 0; i < PLACES; i++) {
@@ -346,6 +349,7 @@ static asdic_status plan(asdic_context *ctx, const asdic_mission *mission, bool 
     out->layer_from_m = layer.layer_from_m;
     out->layer_to_m = layer.layer_to_m;
     asdic_status status = compare_places(&c, out);
+    asdic_ring_shelf_destroy(&c.shelf);
     asdic_ping_destroy(&c.truth);
     asdic_ping_destroy(&c.other);
     if (status == ASDIC_OK) {

@@ -483,6 +483,9 @@ static double change_of(workshop *w, const asdic_mission *m, size_t ping, asdic_
     return worst_db;
 }
 
+/* How near what is expected of many places is to what is of one. */
+#define QUICK_DB 0.01
+
 /* By what the forms change at the shallowest, deepest, first, middle and last ping, a quarter more for what lies between;
  * the layer is fitted from the shallowest sonar to the deepest bottom, or 10 m about the sonars where there is none. */
 static void refraction_is_as_much_as_is_needed(void **state) {
@@ -562,8 +565,8 @@ static void refraction_is_as_much_as_is_needed(void **state) {
             const double *span_m = cases[i].span_m;
             double off_db = change_of(w, m, at[0], ASDIC_REFRACTION_OFF, span_m);
             double layer_db = change_of(w, m, at[1], ASDIC_REFRACTION_LAYER, span_m);
-            assert_close(plan.off_db, 1.25 * off_db, 1e-6);
-            assert_close(plan.layer_db, 1.25 * layer_db, 1e-6);
+            assert_close(plan.off_db, 1.25 * off_db, 1.25 * QUICK_DB);
+            assert_close(plan.layer_db, 1.25 * layer_db, 1.25 * QUICK_DB);
             snprintf(text, sizeof text,
                      "up to %.3g dB, one layer fitted from %g to %g m would change a level by up "
                      "to %.3g dB",
@@ -693,7 +696,7 @@ static void a_shadow_hides_an_object(void **state) {
 static void count_expectations(void *user, const char *what, size_t done, size_t total) {
     size_t *count = user;
     assert_true(done < total);
-    *count += strcmp(what, "beams") == 0 && done == 0;
+    *count += strcmp(what, "expected pings") == 0;
 }
 
 /* Three forms at each place that is another: a vehicle that flies level and turns has one, of all its pings. */

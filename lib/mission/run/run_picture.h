@@ -6,6 +6,7 @@
 
 #include "run_open.h"
 #include "run_summary.h"
+#include "sim/ring_shelf.h"
 
 /* At most this many beams get a panel of an A-scope. */
 #define ASDIC_RENDER_PANELS 4
@@ -21,6 +22,7 @@ typedef struct asdic_render {
     asdic_render_options options; /* window resolved */
     bool has_window;              /* the options give one */
     double residual_db;           /* height of the A-scopes' last panel; NAN: not known yet */
+    asdic_ring_shelf *shelf;      /* of what A-scopes expect */
     unsigned images;
     bool (*frame)(void *user, const char *path); /* of every ping; NULL: pictures, no frames */
     void *frame_user;

@@ -234,10 +234,14 @@ static asdic_status plan(asdic_render *r) {
     return check_output(r);
 }
 
+/* Attitudes whose beams A-scopes keep. */
+#define ATTITUDES 16
+
 /* Draws the run in FOLDER. OWN receives the summary that is made here when R has none. */
-static asdic_status render(asdic_render *r, const char *folder, asdic_summary **own) {
+static asdic_status draw(asdic_render *r, const char *folder, asdic_summary **own) {
     TRY(asdic_run_open(r->ctx, folder, &r->run));
     TRY(plan(r));
+    TRY(asdic_ring_shelf_create(r->ctx, ATTITUDES, &r->shelf));
     if (!r->summary) {
         TRY(gather(r, own));
         r->summary = *own;
@@ -248,15 +252,20 @@ static asdic_status render(asdic_render *r, const char *folder, asdic_summary **
     return render_pings(r);
 }
 
+static asdic_status render(asdic_render *r, const char *folder) {
+    asdic_summary *own = NULL;
+    asdic_status status = draw(r, folder, &own);
+    asdic_ring_shelf_destroy(&r->shelf);
+    asdic_summary_destroy(&own);
+    asdic_run_close(&r->run);
+    return status;
+}
+
 asdic_status asdic_run_render_summary(asdic_context *ctx, const char *folder,
                                       const asdic_render_options *options,
                                       const asdic_summary *summary) {
     asdic_render r = {.ctx = ctx, .options = *options, .summary = summary, .residual_db = NAN};
-    asdic_summary *own = NULL;
-    asdic_status status = render(&r, folder, &own);
-    asdic_summary_destroy(&own);
-    asdic_run_close(&r.run);
-    return status;
+    return render(&r, folder);
 }
 
 asdic_status asdic_run_render_frames(asdic_context *ctx, const char *folder,
@@ -272,14 +281,10 @@ asdic_status asdic_run_render_frames(asdic_context *ctx, const char *folder,
     }
     asdic_render r = {
         .ctx = ctx, .options = *options, .frame = frame, .frame_user = user, .residual_db = NAN};
-    asdic_summary *own = NULL;
     r.options.ping = SIZE_MAX;
     r.options.raw = false;
     r.options.images = options->images ? options->images : fan;
-    asdic_status status = render(&r, folder, &own);
-    asdic_summary_destroy(&own);
-    asdic_run_close(&r.run);
-    return status;
+    return render(&r, folder);
 }
 
 asdic_status asdic_run_render(asdic_context *ctx, const char *folder,

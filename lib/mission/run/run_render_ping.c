@@ -8,6 +8,7 @@
 #include "out/polar.h"
 #include "run_folder.h"
 #include "run_section.h"
+#include "sim/expected.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -59,9 +60,9 @@ static asdic_status expect(asdic_render *r, const asdic_record *record, size_t c
     if (!out->level_db[0]) {
         return asdic_fail_memory(r->ctx, "expected levels");
     }
-    asdic_flat_scene flat = asdic_run_flat_scene(r->run, record);
-    TRY(asdic_expected_compute(r->ctx, &flat, r->info.environment, &sonar, &record->pose,
-                               out->ping));
+    asdic_expected_place place = {asdic_run_flat_scene(r->run, record), record->pose};
+    TRY(asdic_expected_compute_among(r->ctx, r->shelf, &place, 0.0, r->info.environment, &sonar,
+                                     out->ping));
     for (size_t c = 0; c < ASDIC_COMPONENT_COUNT; c++) {
         out->level_db[c] = out->level_db[0] + c * cells;
         for (size_t i = 0; i < cells; i++) {
