@@ -25,7 +25,7 @@
 #define DEV_MAX_LOBES 12
 /* A lobe's scale far beyond any window: evenly spread. */
 #define DEV_EVEN_SCALE 1e4f
-#define DEV_MAX_CONES 8 /* at objects, and as many at their images */
+#define DEV_MAX_CONES 8 /* at objects, and as many at their images and at glints */
 /* Of the learnt table, see learnt.h; powers of two. */
 #define DEV_TABLE_CELLS 512
 #define DEV_TABLE_ROWS 32
@@ -68,8 +68,8 @@ typedef struct dev_lobe {
     dev_uint aside;   /* 1: a ridge far in azimuth from the transmitter's axis */
 } dev_lobe;
 
-/* Directions towards the bounding sphere of an object or its image, which get COUNT rays of their own, from ray FIRST
- * on; adaptive sampler only. */
+/* Directions towards the bounding sphere of an object or its image, or round a glint, which get COUNT rays of their own,
+ * from ray FIRST on; adaptive sampler only. */
 typedef struct dev_cone {
     float rows[9]; /* world to cone: the third row points at the centre */
     float cap;     /* 1 - cos(half-angle) */

@@ -262,6 +262,16 @@ static void follow(const outlook *o, const candidate *best, candidate *out, unsi
 
 /* ---- Rays ---- */
 
+void asdic_cones_add(dev_ping *ping, asdic_vec3 towards, double sine, dev_uint rays) {
+    dev_cone *cone = &ping->sampling.cone[ping->sampling.cones++];
+    fill_rows(towards, cone->rows);
+    cone->cap = (float)(sine * sine / (1.0 + sqrt((1.0 - sine) * (1.0 + sine))));
+    /* Its rays cover twice the half-angle of elevation, see sample_adaptive. */
+    cone->splat = (float)(4.0 * 2.0 * asin(sine) / rays);
+    cone->first = ping->sampling.background -= rays;
+    cone->count = rays;
+}
+
 /* Gives each of COUNT candidates its cone, with rays that the background has had. */
 static void place(const outlook *o, const candidate *best, unsigned count, dev_ping *ping) {
     candidate seen[DEV_MAX_CONES];
@@ -275,16 +285,8 @@ static void place(const outlook *o, const candidate *best, unsigned count, dev_p
     }
     double share = fmin(SHARE_ONE * sqrt(count), SHARE_MOST) / fmax(count, 1.0);
     dev_uint each = (dev_uint)fmax(share * ping->batch.rays, 1.0);
-    ping->sampling.background -= count * each;
     for (unsigned c = 0; c < count; c++) {
-        dev_cone *cone = &ping->sampling.cone[ping->sampling.cones++];
-        double sine = best[c].sine, cosine = sqrt((1.0 - sine) * (1.0 + sine));
-        fill_rows(best[c].towards, cone->rows);
-        cone->cap = (float)(sine * sine / (1.0 + cosine));
-        /* Its rays cover twice the half-angle of elevation, see sample_adaptive. */
-        cone->splat = (float)(4.0 * 2.0 * asin(sine) / each);
-        cone->first = ping->sampling.background + c * each;
-        cone->count = each;
+        asdic_cones_add(ping, best[c].towards, best[c].sine, each);
     }
 }
 

@@ -138,6 +138,8 @@ static void place_cones(const asdic_simulator *sim, asdic_ping_shot *shot) {
     size_t count = parts > 0 ? asdic_passages_find(sim, shot->pose.position_m.z, ways) : 0;
     asdic_cones_place(sim->placement->parts, parts, shot->pose.position_m, asdic_shot_beams(shot),
                       ways, count, shot->ping);
+    asdic_glints_place(&sim->learnt.glints, sim->placement->parts, shot->pose.position_m, ways,
+                       shot->ping);
 }
 
 static dev_uint sampler_code(asdic_sampler sampler) {

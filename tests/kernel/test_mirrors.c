@@ -353,6 +353,184 @@ static void a_small_ball_is_heard_over_a_calm_surface(void **state) {
     }
 }
 
+/* A body of which rays see a ball, RADIUS_M about CENTRE, or, with none, the plane through CENTRE across FACING. */
+typedef struct shape {
+    asdic_vec3 centre_m, facing;
+    double radius_m;
+} shape;
+
+/* Takes the ray from AT along U over a shape; false: past it. */
+static bool bounce_off(const shape *s, double at[3], double u[3]) {
+    const double c[3] = {s->centre_m.x, s->centre_m.y, s->centre_m.z};
+    double n[3] = {s->facing.x, s->facing.y, s->facing.z}, along = 0.0, far2 = 0.0, d = 0.0;
+    for (int k = 0; k < 3; k++) {
+        along += (c[k] - at[k]) * u[k];
+        far2 += (c[k] - at[k]) * (c[k] - at[k]);
+    }
+    if (s->radius_m > 0.0) {
+        double miss2 = far2 - along * along, radius2 = s->radius_m * s->radius_m;
+        d = along - sqrt(fmax(radius2 - miss2, 0.0));
+        if (miss2 > radius2) {
+            return false;
+        }
+    } else {
+        double down = 0.0;
+        for (int k = 0; k < 3; k++) {
+            d += (c[k] - at[k]) * n[k];
+            down += u[k] * n[k];
+        }
+        d /= down;
+    }
+    double cosine = 0.0;
+    for (int k = 0; k < 3; k++) {
+        at[k] += d * u[k];
+        n[k] = s->radius_m > 0.0 ? (at[k] - c[k]) / s->radius_m : n[k];
+        cosine += u[k] * n[k];
+    }
+    for (int k = 0; k < 3; k++) {
+        u[k] -= 2.0 * cosine * n[k];
+    }
+    return d > 0.0;
+}
+
+/* By how much the ray over COUNT shapes, which leaves the origin (ACROSS, DOWN) off its axis, passes it in the end. */
+static bool pass_origin(const shape *const *over, int count, double across, double down,
+                        double miss[2], double *path_m) {
+    double at[3] = {0.0, 0.0, 0.0}, u[3];
+    direction(across, down, u);
+    *path_m = 0.0;
+    for (int k = 0; k < count; k++) {
+        double before[3] = {at[0], at[1], at[2]};
+        if (!bounce_off(over[k], at, u)) {
+            return false;
+        }
+        *path_m += hypot(hypot(at[0] - before[0], at[1] - before[1]), at[2] - before[2]);
+    }
+    double home = -(at[0] * u[0] + at[1] * u[1] + at[2] * u[2]);
+    *path_m += home;
+    double level = hypot(u[0], u[1]);
+    double side[3] = {-u[1] / level, u[0] / level, 0.0};
+    double top[3] = {-u[2] * u[0] / level, -u[2] * u[1] / level, level};
+    miss[0] = miss[1] = 0.0;
+    for (int k = 0; k < 3; k++) {
+        miss[0] += (at[k] + home * u[k]) * side[k];
+        miss[1] += (at[k] + home * u[k]) * top[k];
+    }
+    return home > 0.0;
+}
+
+/* What comes back over COUNT shapes with SHARE of every direction: one over the tube of a steradian. */
+static double glint_lin(const shape *const *over, int count, double alpha_db_per_km) {
+    enum { SCAN = 1200 };
+    const shape *first = over[0];
+    double least = INFINITY, x = 0.0, y = 0.0, path_m = 0.0, miss[2], by[2][2];
+    double ahead = hypot(hypot(first->centre_m.x, first->centre_m.y), first->centre_m.z);
+    double reach = (first->radius_m > 0.0 ? first->radius_m : 1.0) / ahead;
+    for (int i = 0; i < SCAN * SCAN; i++) {
+        double across = first->centre_m.y / ahead + reach * (2.0 * (i % SCAN) / SCAN - 1.0);
+        double down = first->centre_m.z / ahead + reach * (2.0 * (i / SCAN) / SCAN - 1.0);
+        if (pass_origin(over, count, across, down, miss, &path_m) &&
+            hypot(miss[0], miss[1]) < least) {
+            least = hypot(miss[0], miss[1]);
+            x = across;
+            y = down;
+        }
+    }
+    double all = 1.0;
+    for (int i = 0; i < 20; i++) {
+        const double h = 1e-7;
+        double near[2], at[2];
+        assert_true(pass_origin(over, count, x, y, at, &path_m));
+        for (int k = 0; k < 2; k++) {
+            assert_true(
+                pass_origin(over, count, x + (k ? 0.0 : h), y + (k ? h : 0.0), near, &path_m));
+            by[k][0] = (near[0] - at[0]) / h;
+            by[k][1] = (near[1] - at[1]) / h;
+        }
+        all = by[0][0] * by[1][1] - by[0][1] * by[1][0];
+        x += (by[1][0] * at[1] - by[1][1] * at[0]) / all;
+        y += (by[0][1] * at[0] - by[0][0] * at[1]) / all;
+        least = hypot(at[0], at[1]);
+    }
+    assert_true(least < 1e-6);
+    double ahead_cos = sqrt(1.0 - x * x - y * y);
+    return 1.0 / (fabs(all) * ahead_cos) * pow(10.0, -1e-4 * alpha_db_per_km * (path_m - 2.0));
+}
+
+/* Two smooth bodies show each other, by spots that one of a thousand of the rays to either meets: across, both ways
+ * round, and there and back over each. In every ping, and where the sonar has gone on since it learnt. */
+static void smooth_bodies_show_each_other(void **state) {
+    (void)state;
+    const double slope_rms = 0.01;
+    static const struct {
+        const char *what;
+        shape a, b;
+        double aside_m;
+    } cases[] = {
+        {"balls",
+         {{14.0, -1.0, 0.5}, {0.0, 0.0, 0.0}, 0.6},
+         {{16.0, 2.0, -0.5}, {0.0, 0.0, 0.0}, 0.4},
+         0.0},
+        {"balls, 1 m aside",
+         {{14.0, -1.0, 0.5}, {0.0, 0.0, 0.0}, 0.6},
+         {{16.0, 2.0, -0.5}, {0.0, 0.0, 0.0}, 0.4},
+         1.0},
+        {"ball and plate",
+         {{14.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.5},
+         {{16.1, 3.2, 0.3}, {0.8, 0.6, 0.0}, 0.0},
+         0.0},
+    };
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        target_rig r = open_sea(30.0);
+        double alpha = asdic_environment_absorption_db_per_km(&r.env, FREQUENCY_HZ, 100.0);
+        r.sonar.transmitter.length_h_m = r.sonar.transmitter.length_v_m = 1e-4;
+        r.receiver = r.sonar.transmitter;
+        r.sampling.sampler = ASDIC_SAMPLER_ADAPTIVE;
+        r.sampling.rays = 20000;
+        for (int b = 0; b < 2; b++) {
+            const shape *s = b ? &cases[k].b : &cases[k].a;
+            asdic_vec3 at = {s->centre_m.x, s->centre_m.y + cases[k].aside_m, s->centre_m.z};
+            asdic_mesh *mesh = NULL;
+            if (s->radius_m > 0.0) {
+                assert_ok(t.ctx, asdic_mesh_sphere(t.ctx, s->radius_m, 96, &mesh));
+                add(&r, mesh, at, 0.0, 0.0, asdic_material_facet(0.0, 0.0, slope_rms));
+            } else {
+                add_plate(&r, 4.0, 4.0, at, atan2(s->facing.y, s->facing.x) / DEGREE,
+                          asdic_material_facet(0.0, 0.0, slope_rms));
+            }
+        }
+        const shape *a = &cases[k].a, *b = &cases[k].b;
+        const shape *const ab[] = {a, b}, *const aba[] = {a, b, a}, *const bab[] = {b, a, b};
+        double want =
+            2.0 * glint_lin(ab, 2, alpha) + glint_lin(aba, 3, alpha) + glint_lin(bab, 3, alpha);
+        asdic_simulator *sim = NULL;
+        asdic_ping *ping = NULL;
+        r.sonar.receivers = &r.receiver;
+        assert_ok(t.ctx, asdic_scene_commit(r.scene));
+        assert_ok(t.ctx, asdic_simulator_create(t.ctx, t.device, r.scene, &r.env, &r.sonar,
+                                                &r.sampling, 100.0, &sim));
+        assert_ok(t.ctx, asdic_simulator_learn(sim, &r.pose, 0));
+        assert_ok(t.ctx, asdic_ping_create(t.ctx, 1, asdic_simulator_bin_count(sim), &ping));
+        r.pose.position_m.y += cases[k].aside_m;
+        double least = INFINITY, most = -INFINITY, mean = 0.0;
+        enum { PINGS = 16 };
+        for (int n = 0; n < PINGS; n++) {
+            assert_ok(t.ctx, asdic_simulator_ping(sim, &r.pose, (uint64_t)n, ping));
+            double got = energy(ping, ASDIC_MULTIPATH, 0.0, INFINITY);
+            least = fmin(least, got);
+            most = fmax(most, got);
+            mean += got / PINGS;
+        }
+        print_message("%s: %.2f dB, %.2f expected; single pings %+.2f to %+.2f\n", cases[k].what,
+                      db(mean), db(want), db(least / want), db(most / want));
+        assert_close(db(mean), db(want), 0.3);
+        assert_true(db(least / want) > -1.0 && db(most / want) < 1.0);
+        asdic_ping_destroy(&ping);
+        asdic_simulator_destroy(&sim);
+        target_rig_destroy(&r);
+    }
+}
+
 int main(void) {
     t = test_device_open_or_skip();
     const struct CMUnitTest tests[] = {
@@ -362,6 +540,7 @@ int main(void) {
         cmocka_unit_test(a_polished_ball_glints_over_a_mirror),
         cmocka_unit_test(a_plate_below_calm_water_is_seen_slanting),
         cmocka_unit_test(plates_at_a_right_angle_return_as_one_aperture),
+        cmocka_unit_test(smooth_bodies_show_each_other),
         cmocka_unit_test(a_small_ball_is_heard_over_a_calm_surface),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
