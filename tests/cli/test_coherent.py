@@ -108,7 +108,7 @@ def test_resume_makes_what_is_missing():
         asdic("run", path, "-o", folder / "again").check(code=0)
         os.remove(os.path.join(folder.path, "again", "elements.npy"))
         done = asdic("run", path, "-o", folder / "again", "--resume").check(code=0)
-        tap.contains(done.err, "elements.npy' is missing or damaged; it is made again")
+        tap.contains(done.err, "elements.npy' is missing or damaged; made again")
         same_files(folder, "whole", "again")
         raw = data(folder, "again", "elements.npy")
         pathlib.Path(folder / "again", "elements.npy").write_bytes(raw[:-9999] + b"XXXX" + raw[-9995:])

@@ -137,10 +137,9 @@ static asdic_status take_all(asdic_run_job *job) {
 
 /* Adds to the context's sentence what is kept and how to continue. */
 static asdic_status explain(asdic_run_job *job, asdic_status status) {
-    char why[768];
-    snprintf(why, sizeof why, "%s", asdic_context_error(job->ctx));
     return asdic_fail(job->ctx, status, "%s; %zu of %zu pings are kept in '%s', --resume goes on",
-                      why, asdic_job_stored(job), job->facts.pings_planned, job->options->folder);
+                      asdic_context_error(job->ctx), asdic_job_stored(job),
+                      job->facts.pings_planned, job->options->folder);
 }
 
 /* Ends the run after the pings, whether all are there or not. */

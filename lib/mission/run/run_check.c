@@ -109,11 +109,8 @@ static asdic_status tell(asdic_context *ctx, asdic_status status, lost_files *lo
             asdic_text_format(&lost->names, " and %zu more", lost->count - MOST_NAMED);
         }
         char *names = asdic_text_take(&lost->names);
-        status = names ? asdic_fail(ctx, ASDIC_ERROR_INPUT,
-                                    "%s %s missing or damaged; 'asdic run' with --resume makes %s "
-                                    "again",
-                                    names, lost->count == 1 ? "is" : "are",
-                                    lost->count == 1 ? "it" : "them")
+        status = names ? asdic_fail(ctx, ASDIC_ERROR_INPUT, "%s %s missing or damaged", names,
+                                    lost->count == 1 ? "is" : "are")
                        : asdic_fail_memory(ctx, "file names");
         free(names);
     }
@@ -136,4 +133,11 @@ asdic_status asdic_run_check(asdic_context *ctx, const char *folder, const asdic
         status = check_picture(ctx, folder, facts->pictures[i], &lost);
     }
     return tell(ctx, status, &lost);
+}
+
+asdic_status asdic_run_advise(asdic_context *ctx, asdic_status status) {
+    return status == ASDIC_ERROR_INPUT
+               ? asdic_fail(ctx, status, "%s; 'asdic run' with --resume mends the run",
+                            asdic_context_error(ctx))
+               : status;
 }

@@ -22,4 +22,7 @@ typedef enum asdic_run_checked {
 asdic_status asdic_run_check(asdic_context *ctx, const char *folder, const asdic_run_facts *facts,
                              asdic_run_checked what);
 
+/* Adds to an error about damage what mends it, for those that only read the run; returns STATUS. */
+asdic_status asdic_run_advise(asdic_context *ctx, asdic_status status);
+
 #endif

@@ -207,20 +207,15 @@ static asdic_status open_elements(asdic_run_job *job, bool goes_on) {
     return asdic_elements_open(job->ctx, job->options->folder, mode, &shape, &job->elements);
 }
 
-/* The last error, without its advice to do what is being done. */
 static void warn_of_damage(asdic_context *ctx) {
-    const char *text = asdic_context_error(ctx);
-    const char *advice = strstr(text, "; 'asdic run' with --resume");
-    asdic_log(ctx, ASDIC_LOG_WARNING, "%.*s%s",
-              (int)(advice ? (size_t)(advice - text) : strlen(text)), text,
-              advice ? "; made again" : "");
+    asdic_log(ctx, ASDIC_LOG_WARNING, "%s; made again", asdic_context_error(ctx));
 }
 
 /* Finds the pings whose records are whole; every other is to be made. After an interruption the rest
  * is taken to be whole, unread: the run ends before it uses them. */
-static void find_whole(asdic_run_job *job, asdic_status *first_failure) {
-    size_t stored = asdic_store_count(job->store), planned = job->facts.pings_planned, failed = 0;
-    *first_failure = ASDIC_OK;
+static void find_whole(asdic_run_job *job) {
+    size_t stored = asdic_store_count(job->store), planned = job->facts.pings_planned;
+    size_t failed = 0, told = job->damaged;
     job->to_make = planned;
     for (size_t i = 0; i < stored && i < planned; i++) {
         bool is_read = !asdic_context_interrupted(job->ctx);
@@ -228,12 +223,12 @@ static void find_whole(asdic_run_job *job, asdic_status *first_failure) {
         job->is_there[i] = status == ASDIC_OK && asdic_elements_has(job->elements, i);
         job->to_make -= job->is_there[i];
         failed += status != ASDIC_OK;
-        if (status != ASDIC_OK && *first_failure == ASDIC_OK) {
-            *first_failure = status;
+        if (status != ASDIC_OK && failed == 1 && told == 0) {
             warn_of_damage(job->ctx);
         }
     }
-    if (failed > 1) {
+    job->damaged = failed;
+    if (failed > 1 && told == 0) {
         asdic_log(job->ctx, ASDIC_LOG_WARNING, "'%s': %zu more of its pings are damaged",
                   job->options->folder, failed - 1);
     }
@@ -257,7 +252,6 @@ static asdic_status check_elements(asdic_run_job *job, const asdic_run_facts *ea
 
 /* Whether a run that ended has still all that it wrote; a warning says what not. */
 static asdic_status check_complete(asdic_run_job *job, const asdic_run_facts *earlier) {
-    asdic_status bad = ASDIC_OK;
     bool are_whole = false; /* the elements */
     TRY(check_elements(job, earlier, &are_whole));
     asdic_status status = open_store(job, ASDIC_STORE_READ);
@@ -265,26 +259,24 @@ static asdic_status check_complete(asdic_run_job *job, const asdic_run_facts *ea
         return status;
     }
     if (status == ASDIC_OK) {
-        find_whole(job, &bad);
+        find_whole(job);
         asdic_store_close(&job->store);
         if (asdic_context_interrupted(job->ctx)) {
             return asdic_fail(job->ctx, ASDIC_ERROR_INTERRUPTED,
                               "interrupted while the pings in '%s' were checked; --resume goes on",
                               job->options->folder);
         }
-        if (bad == ASDIC_OK && job->to_make > 0) {
-            status = asdic_fail(job->ctx, ASDIC_ERROR_INPUT,
-                                "'%s' has %zu of %zu pings; the others are made again",
-                                job->options->folder, job->facts.pings_planned - job->to_make,
-                                job->facts.pings_planned);
+        if (job->damaged == 0 && job->to_make > 0) {
+            status = asdic_fail(job->ctx, ASDIC_ERROR_INPUT, "'%s' lacks %zu of %zu pings",
+                                job->options->folder, job->to_make, job->facts.pings_planned);
         }
     }
     if (status == ASDIC_OK && !are_whole) {
-        status = asdic_fail(job->ctx, ASDIC_ERROR_INPUT,
-                            "'%s/" ASDIC_ELEMENTS_NAME "' is missing or damaged; it is made again",
-                            job->options->folder);
+        status =
+            asdic_fail(job->ctx, ASDIC_ERROR_INPUT,
+                       "'%s/" ASDIC_ELEMENTS_NAME "' is missing or damaged", job->options->folder);
     }
-    if (status == ASDIC_OK && bad == ASDIC_OK) {
+    if (status == ASDIC_OK && job->damaged == 0) {
         status = asdic_run_check(job->ctx, job->options->folder, earlier, ASDIC_RUN_ALL);
     }
     if (status == ASDIC_ERROR_MEMORY) {
@@ -293,7 +285,7 @@ static asdic_status check_complete(asdic_run_job *job, const asdic_run_facts *ea
     if (status != ASDIC_OK) {
         warn_of_damage(job->ctx);
     }
-    job->is_complete = status == ASDIC_OK && bad == ASDIC_OK;
+    job->is_complete = status == ASDIC_OK && job->damaged == 0;
     return ASDIC_OK;
 }
 
@@ -319,7 +311,6 @@ static asdic_status check_files(const asdic_run_job *job) {
 static asdic_status open_run(asdic_run_job *job) {
     const char *folder = job->options->folder;
     asdic_run_facts earlier = {0};
-    asdic_status bad;
     bool goes_on = job->options->resume && asdic_folder_has_run(folder);
     if (!goes_on) {
         TRY(check_files(job));
@@ -343,7 +334,7 @@ static asdic_status open_run(asdic_run_job *job) {
     TRY(open_store(job, goes_on ? ASDIC_STORE_RESUME : ASDIC_STORE_CREATE));
     TRY(asdic_store_cut(job->store, job->facts.pings_planned));
     TRY(open_elements(job, goes_on));
-    find_whole(job, &bad);
+    find_whole(job);
     /* One that was complete, whose mending was interrupted, has all its records, damaged ones too. */
     bool grows = goes_on && !was_complete(&earlier) &&
                  asdic_store_count(job->store) < job->facts.pings_planned;

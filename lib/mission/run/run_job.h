@@ -32,6 +32,7 @@ typedef struct asdic_run_job {
     DIR *lock;                /* of the folder; NULL: none */
     bool *is_there;           /* by ping of the run: the store had its record, whole */
     size_t to_make;           /* pings that had none */
+    size_t damaged;           /* records that are not whole; told once */
     size_t kept;              /* pings in the files; as many were taken, in their order */
     bool is_complete;         /* the run was complete already */
     uint64_t rays;            /* traced by this call */

@@ -104,11 +104,16 @@ static asdic_status check_parts(const merger *m) {
     return check_whole(m);
 }
 
+static asdic_status check_elements(const merger *m, const asdic_run *part) {
+    return asdic_run_advise(
+        m->ctx, asdic_run_check(m->ctx, part->folder, &part->facts, ASDIC_RUN_ELEMENTS));
+}
+
 /* Reads all that the parts are joined from, before what is in the result's folder is given up. */
 static asdic_status check_records(const merger *m) {
     for (size_t i = 0; i < m->count; i++) {
         asdic_run *part = m->parts[i];
-        TRY(asdic_run_check(m->ctx, part->folder, &part->facts, ASDIC_RUN_ELEMENTS));
+        TRY(check_elements(m, part));
         for (size_t k = 0; k < part->facts.pings_planned; k++) {
             asdic_record record;
             TRY(asdic_run_read(part, k, &record));
@@ -186,7 +191,7 @@ static asdic_status copy_elements(merger *m, asdic_elements *to, asdic_elements_
     for (size_t i = 0; i < m->count; i++) {
         const asdic_run *part = m->parts[i];
         asdic_elements *from = NULL;
-        TRY(asdic_run_check(m->ctx, part->folder, &part->facts, ASDIC_RUN_ELEMENTS));
+        TRY(check_elements(m, part));
         shape.pings = part->facts.pings_planned;
         asdic_status status =
             asdic_elements_open(m->ctx, part->folder, ASDIC_STORE_READ, &shape, &from);
@@ -204,7 +209,7 @@ static asdic_status copy_elements(merger *m, asdic_elements *to, asdic_elements_
 static asdic_status join_elements(merger *m) {
     const asdic_run *part = m->parts[0];
     asdic_elements_shape shape;
-    TRY(asdic_run_check(m->ctx, part->folder, &part->facts, ASDIC_RUN_ELEMENTS));
+    TRY(check_elements(m, part));
     TRY(asdic_elements_shape_read(m->ctx, part->folder, &part->settings, &shape));
     shape.pings = m->facts.pings_planned;
     if (shape.elements == 0) {

@@ -24,7 +24,7 @@ static asdic_status open_run(asdic_run *run) {
                           "'%s/run.json' is damaged: %zu beams, but its scene has %zu", run->folder,
                           facts->beams, run->settings.sonar.receiver_count);
     }
-    TRY(asdic_run_check(run->ctx, run->folder, facts, ASDIC_RUN_SMALL));
+    TRY(asdic_run_advise(run->ctx, asdic_run_check(run->ctx, run->folder, facts, ASDIC_RUN_SMALL)));
     const asdic_store_shape shape = {
         .first_ping = facts->first_ping,
         .layout =
@@ -32,14 +32,12 @@ static asdic_status open_run(asdic_run *run) {
     asdic_status status =
         asdic_store_open(run->ctx, run->folder, ASDIC_STORE_READ, &shape, &run->store);
     if (status == ASDIC_ERROR_IO) {
-        char why[512];
-        snprintf(why, sizeof why, "%s", asdic_context_error(run->ctx));
         return asdic_fail(run->ctx, ASDIC_ERROR_INPUT,
                           "%s; if the run was killed, or the file removed, 'asdic run' with "
                           "--resume makes it again",
-                          why);
+                          asdic_context_error(run->ctx));
     }
-    TRY(status);
+    TRY(asdic_run_advise(run->ctx, status));
     run->scene_name = asdic_scene_name(facts->scene_path);
     run->buffer = malloc(asdic_record_bytes(facts->beams, facts->bins));
     return run->scene_name && run->buffer ? ASDIC_OK : asdic_fail_memory(run->ctx, "a run");
@@ -116,7 +114,7 @@ asdic_status asdic_run_read(asdic_run *run, size_t index, asdic_record *record) 
         return asdic_fail(run->ctx, ASDIC_ERROR_ARGUMENT, "record %zu of a run of %zu", index,
                           asdic_store_count(run->store));
     }
-    TRY(asdic_store_read(run->store, index, run->buffer));
+    TRY(asdic_run_advise(run->ctx, asdic_store_read(run->store, index, run->buffer)));
     asdic_record_view(run->buffer, run->facts.beams, run->facts.bins, record);
     return ASDIC_OK;
 }

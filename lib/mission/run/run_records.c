@@ -101,8 +101,7 @@ static asdic_status open_finished(asdic_records *r) {
     }
     return asdic_fail(r->ctx, ASDIC_ERROR_INPUT,
                       "'%s' is damaged, or of another run or version (%zu bytes, records of %zu "
-                      "bytes after a header of %zu); 'asdic run' with --resume makes again what "
-                      "is missing",
+                      "bytes after a header of %zu)",
                       r->path, bytes, r->record_bytes, r->header_bytes);
 }
 

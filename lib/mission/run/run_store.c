@@ -92,8 +92,7 @@ static asdic_status check(const asdic_store *store, const asdic_records *records
     return asdic_record_is_whole(record, bytes, ping)
                ? ASDIC_OK
                : asdic_fail(store->ctx, ASDIC_ERROR_INPUT,
-                            "'%s' is damaged: ping %llu is not as it was written; 'asdic run' with "
-                            "--resume makes it again",
+                            "'%s' is damaged: ping %llu is not as it was written",
                             asdic_records_path(records), (unsigned long long)ping);
 }
 
