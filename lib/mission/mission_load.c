@@ -112,12 +112,10 @@ static asdic_status build(mission_builder *b) {
 
 static asdic_status check_memory(asdic_context *ctx, const asdic_mission *m) {
     const asdic_sonar *sonar = asdic_mission_sonar(m);
-    double speed_mps = asdic_mission_speed_mps(m);
-    size_t bins = asdic_sonar_bin_count(sonar, speed_mps);
-    asdic_hearing hearing = asdic_hearing_of(sonar, &m->settings.sampling, speed_mps, bins);
-    uint64_t needed = (uint64_t)sonar->receiver_count * (bins + hearing.margin) * LEVEL_BYTES;
+    asdic_reach r = asdic_reach_of(sonar, &m->settings.sampling, asdic_mission_speed_mps(m));
+    uint64_t needed = (uint64_t)sonar->receiver_count * (r.bins + r.margin) * LEVEL_BYTES;
     char what[64];
-    snprintf(what, sizeof what, "%zu beams of %zu bins need", sonar->receiver_count, bins);
+    snprintf(what, sizeof what, "%zu beams of %zu bins need", sonar->receiver_count, r.bins);
     return asdic_memory_check(ctx, needed, asdic_memory_left(), what,
                               "use fewer beams or a longer 'bin_length_m'");
 }

@@ -72,16 +72,20 @@ static double reach_m(const asdic_sonar *sonar, const asdic_coherent_grid *grid)
     return 2.0 * (double)PULSE_REACH * grid->pulse_m + half_line_m(&sonar->array);
 }
 
-asdic_hearing asdic_hearing_of(const asdic_sonar *sonar, const asdic_sampling *sampling,
-                               double sound_speed_mps, size_t bins) {
-    if (!sampling->coherent) {
-        return (asdic_hearing){asdic_pulse_margin(sonar, sound_speed_mps, bins),
-                               asdic_pulse_from_m(sonar, sound_speed_mps)};
+asdic_reach asdic_reach_of(const asdic_sonar *sonar, const asdic_sampling *sampling,
+                           double sound_speed_mps) {
+    asdic_reach r = {.bins = asdic_sonar_bin_count(sonar, sound_speed_mps)};
+    if (sampling->coherent) {
+        asdic_coherent_grid grid = asdic_coherent_grid_of(sonar, sound_speed_mps, r.bins);
+        double reach = reach_m(sonar, &grid), blanking = sonar->blanking_m;
+        r.margin = (size_t)ceil(reach / sonar->bin_length_m);
+        r.from_m = fmax(blanking - reach, 0.5 * blanking);
+    } else {
+        r.margin = asdic_pulse_margin(sonar, sound_speed_mps, r.bins);
+        r.from_m = asdic_pulse_from_m(sonar, sound_speed_mps);
     }
-    asdic_coherent_grid grid = asdic_coherent_grid_of(sonar, sound_speed_mps, bins);
-    double reach = reach_m(sonar, &grid), blanking = sonar->blanking_m;
-    return (asdic_hearing){(size_t)ceil(reach / sonar->bin_length_m),
-                           fmax(blanking - reach, 0.5 * blanking)};
+    r.to_m = (double)(r.bins + r.margin) * sonar->bin_length_m;
+    return r;
 }
 
 asdic_status asdic_coherent_check(asdic_context *ctx, const asdic_sonar *sonar,

@@ -17,15 +17,15 @@ typedef struct asdic_coherent_grid {
 asdic_coherent_grid asdic_coherent_grid_of(const asdic_sonar *sonar, double sound_speed_mps,
                                            size_t bins);
 
-/* What a ping of BINS takes in beyond them: MARGIN bins, and all from FROM_M on (pulse.h); of
+/* What a ping of BINS takes in: MARGIN bins beyond them, and all between FROM_M and TO_M (pulse.h); of
  * coherent ones as far as smooth pulses, and elements beside the middle, reach. */
-typedef struct asdic_hearing {
-    size_t margin;
-    double from_m;
-} asdic_hearing;
+typedef struct asdic_reach {
+    size_t bins, margin;
+    double from_m, to_m;
+} asdic_reach;
 
-asdic_hearing asdic_hearing_of(const asdic_sonar *sonar, const asdic_sampling *sampling,
-                               double sound_speed_mps, size_t bins);
+asdic_reach asdic_reach_of(const asdic_sonar *sonar, const asdic_sampling *sampling,
+                           double sound_speed_mps);
 
 /* What a coherent ping needs of SAMPLING and SONAR. */
 asdic_status asdic_coherent_check(asdic_context *ctx, const asdic_sonar *sonar,

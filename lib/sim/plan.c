@@ -41,10 +41,9 @@ static void span(asdic_plan_case *c) {
             c->altitude_least_m = fmin(c->altitude_least_m, c->scene->bottom_plane_depth_m - z);
         }
     }
-    size_t bins = asdic_sonar_bin_count(c->sonar, c->water.sound_speed_mps);
-    asdic_hearing h = asdic_hearing_of(c->sonar, c->sampling, c->water.sound_speed_mps, bins);
-    c->range_m = (double)(bins + h.margin) * c->sonar->bin_length_m;
-    c->from_m = h.from_m;
+    asdic_reach reach = asdic_reach_of(c->sonar, c->sampling, c->water.sound_speed_mps);
+    c->range_m = reach.to_m;
+    c->from_m = reach.from_m;
     c->bends = asdic_environment_bends(c->env);
     c->reach_m =
         c->bends ? c->range_m * fmax(fastest_mps(c) / c->water.sound_speed_mps, 1.0) : c->range_m;

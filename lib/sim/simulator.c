@@ -259,14 +259,12 @@ static unsigned thread_count(const asdic_simulator *sim) {
 
 static void plan_work(asdic_simulator *sim, const asdic_water_column *water) {
     const asdic_sonar *sonar = &sim->setup.sonar;
-    double c_mps = water->sound_speed_mps;
-    size_t bins = asdic_sonar_bin_count(sonar, c_mps);
-    asdic_hearing hearing = asdic_hearing_of(sonar, &sim->setup.sampling, c_mps, bins);
+    asdic_reach reach = asdic_reach_of(sonar, &sim->setup.sampling, water->sound_speed_mps);
     bool casts = !(sim->setup.sampling.left_out & (1u << ASDIC_TERM_RAYS));
     /* Pulses are longer in faster water. */
-    sim->setup.margin = casts && hearing.margin > 0 ? hearing.margin + 1 : 0;
-    sim->setup.from_m = hearing.from_m;
-    sim->setup.bins = bins + sim->setup.margin;
+    sim->setup.margin = casts && reach.margin > 0 ? reach.margin + 1 : 0;
+    sim->setup.from_m = reach.from_m;
+    sim->setup.bins = reach.bins + sim->setup.margin;
     sim->setup.cells = sim->setup.bins * sim->setup.sonar.receiver_count;
     sim->setup.groups = group_count(sim->setup.cells);
     if (sim->setup.layout.local > LOCAL_LIMIT) {
@@ -367,9 +365,7 @@ static asdic_status check_water(const asdic_simulator *sim, double sonar_m, doub
                                 double to_m) {
     const asdic_setup *setup = &sim->setup;
     double speed_mps = asdic_environment_sound_speed_mps(&setup->env, sonar_m);
-    size_t bins = asdic_sonar_bin_count(&setup->sonar, speed_mps);
-    bins += asdic_hearing_of(&setup->sonar, &setup->sampling, speed_mps, bins).margin;
-    double range_m = (double)bins * setup->sonar.bin_length_m;
+    double range_m = asdic_reach_of(&setup->sonar, &setup->sampling, speed_mps).to_m;
     if (!setup->scene->has_surface) {
         from_m = fmin(from_m, fmax(sonar_m - range_m, 0.0));
     }
