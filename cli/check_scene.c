@@ -1,6 +1,5 @@
 #include "check.h"
 #include "remarks.h"
-#include "size.h"
 
 #include <math.h>
 

@@ -24,6 +24,9 @@ struct cli {
     bool bad_usage;
 };
 
+/* The options COMMAND takes, its own first; for help, man pages and completions. */
+size_t cli_options_of(const cli_command *command, const cli_option *out[CLI_MAX_OPTIONS]);
+
 /* Gathers the options COMMAND takes. */
 void cli_begin(cli *c, asdic_context *ctx, const cli_command *command);
 

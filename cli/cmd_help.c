@@ -1,6 +1,6 @@
 #include "commands.h"
 #include "json.h"
-#include "options.h"
+#include "cli_state.h"
 
 static void print_command(json *j, const cli_command *command) {
     const cli_option *options[CLI_MAX_OPTIONS];

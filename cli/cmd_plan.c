@@ -5,7 +5,6 @@
 #include "json.h"
 #include "progress.h"
 #include "remarks.h"
-#include "size.h"
 
 #include <math.h>
 #include <string.h>

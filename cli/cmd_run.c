@@ -1,7 +1,6 @@
 #include "commands.h"
 #include "progress.h"
 #include "remarks.h"
-#include "size.h"
 #include "team.h"
 
 #include <math.h>

@@ -3,7 +3,6 @@
 #include <string.h>
 
 #include "commands.h"
-#include "options.h"
 
 #define TEXT_COLUMN 26
 #define LAST_COLUMN 78

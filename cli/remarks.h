@@ -1,6 +1,7 @@
 /*
  * What several commands say of a scene: remarks on laws that it uses outside their range of validity
- * (printed once, the command goes on), and how its sonar scans.
+ * (printed once, the command goes on), how its sonar scans, and what a run of it writes, beside the
+ * room that there is for it.
  */
 #ifndef ASDIC_CLI_REMARKS_H
 #define ASDIC_CLI_REMARKS_H
@@ -20,6 +21,17 @@ void cli_json_remarks(json *j, const asdic_mission *mission);
 #define CLI_SCAN_SIZE 160
 void cli_scan_words(const asdic_mission *mission, char words[CLI_SCAN_SIZE]);
 void cli_json_scan(json *j, const asdic_mission *mission);
+
+/* "8.4 MB a ping, 15.6 GB in all; 20.1 GB free", of PINGS pings in FOLDER. */
+#define CLI_SIZE_TEXT 160
+const char *cli_size(const asdic_mission *mission, size_t pings, const char *folder,
+                     char text[CLI_SIZE_TEXT]);
+
+/* Says that bins.csv is left out because of the many beams, where it is. */
+void cli_remark_csv(const cli *c, const char *path, const asdic_mission *mission);
+
+/* "output": {...}, of the whole mission in the folder that we are in. */
+void cli_json_size(json *j, const asdic_mission *mission);
 
 /* Lets MISSION follow the form of --refraction where it is given; false after a bad word. */
 bool cli_refract(cli *c, asdic_mission *mission);
