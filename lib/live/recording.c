@@ -2,6 +2,7 @@
 
 #include "base/clock.h"
 #include "base/context.h"
+#include "base/file_name.h"
 #include "base/try.h"
 #include "mission/mission.h"
 #include "mission/run/run_folder.h"
@@ -73,22 +74,13 @@ static void finish(asdic_recording **recording) {
     *recording = NULL;
 }
 
-static asdic_status write_head(asdic_recording *r, const char *scene, const char *track) {
-    TRY(asdic_mission_write_scene(r->ctx, r->mission, scene, "track.csv"));
-    TRY(asdic_file_create(r->ctx, track, &r->track));
+static asdic_status open_files(asdic_recording *r) {
+    TRY(asdic_mission_write_scene(r->ctx, r->mission, asdic_file_in(r->folder, "scene.yaml").text,
+                                  "track.csv"));
+    TRY(asdic_file_create(r->ctx, asdic_file_in(r->folder, "track.csv").text, &r->track));
     asdic_track_file_begin(r->track, &r->mission->settings.sweep);
     r->spool = tmpfile();
     return r->spool ? ASDIC_OK : fail_io(r, "the pings");
-}
-
-static asdic_status open_files(asdic_recording *r) {
-    char *scene = asdic_folder_file(r->folder, "scene.yaml");
-    char *track = asdic_folder_file(r->folder, "track.csv");
-    asdic_status status =
-        scene && track ? write_head(r, scene, track) : asdic_fail_memory(r->ctx, "a file name");
-    free(scene);
-    free(track);
-    return status;
 }
 
 asdic_status asdic_recording_begin(asdic_context *ctx, const asdic_mission *mission,
@@ -182,9 +174,8 @@ static asdic_status run_job(asdic_recording *r, asdic_run_job *job) {
 static asdic_status write_run(asdic_recording *r) {
     asdic_mission *mission = NULL;
     asdic_run_options options = asdic_run_options_default();
-    char *scene = asdic_folder_file(r->folder, "scene.yaml");
     asdic_status status =
-        scene ? asdic_mission_load(r->ctx, scene, &mission) : asdic_fail_memory(r->ctx, "a name");
+        asdic_mission_load(r->ctx, asdic_file_in(r->folder, "scene.yaml").text, &mission);
     options.folder = r->folder;
     options.force = options.own_track = true; /* it is there already */
     asdic_run_job job = {.ctx = r->ctx,
@@ -198,18 +189,13 @@ static asdic_status write_run(asdic_recording *r) {
         asdic_job_finish(&job);
     }
     asdic_mission_destroy(&mission);
-    free(scene);
     return status;
 }
 
 static void remove_empty(asdic_recording *r) {
-    char *scene = asdic_folder_file(r->folder, "scene.yaml");
     asdic_file_discard(&r->track);
-    if (scene) {
-        unlink(scene);
-    }
+    unlink(asdic_file_in(r->folder, "scene.yaml").text);
     rmdir(r->folder);
-    free(scene);
 }
 
 asdic_status asdic_recording_end(asdic_recording **recording) {

@@ -10,6 +10,7 @@
 #include "trial_run.h"
 
 #include "base/context.h"
+#include "base/file_name.h"
 #include "base/number.h"
 #include "base/sha256.h"
 #include "base/share.h"
@@ -370,9 +371,7 @@ static asdic_status visit_parts(fleet *f, bool overlap, part_visit visit) {
             (overlap ? end <= f->first : first < f->first)) {
             continue;
         }
-        char *path = asdic_trial_path(f->whole->folder, entry->d_name);
-        status = path ? visit(f, path, first, end) : asdic_fail_memory(f->ctx, "a path");
-        free(path);
+        status = visit(f, asdic_file_in(f->whole->folder, entry->d_name).text, first, end);
     }
     if (all) {
         closedir(all);
@@ -382,12 +381,8 @@ static asdic_status visit_parts(fleet *f, bool overlap, part_visit visit) {
 
 /* The file FOLDER/trial.part.csv must not be one that another process writes to. */
 static asdic_status check_idle(asdic_context *ctx, const char *folder) {
-    char *csv = asdic_trial_path(folder, "trial.part.csv");
-    asdic_status status = !csv                               ? asdic_fail_memory(ctx, "a path")
-                          : asdic_file_is_being_written(csv) ? asdic_file_fail(ctx, csv, EBUSY)
-                                                             : ASDIC_OK;
-    free(csv);
-    return status;
+    const asdic_file_name csv = asdic_file_in(folder, "trial.part.csv");
+    return asdic_file_is_being_written(csv.text) ? asdic_file_fail(ctx, csv.text, EBUSY) : ASDIC_OK;
 }
 
 static asdic_status remove_part(fleet *f, const char *folder, uint64_t first, uint64_t end) {

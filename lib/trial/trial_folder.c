@@ -1,6 +1,7 @@
 #include "trial_folder.h"
 
 #include "base/context.h"
+#include "base/file_name.h"
 #include "base/try.h"
 #include "out/digits.h"
 #include "out/file.h"
@@ -32,11 +33,6 @@ void asdic_trial_facts_finish(trial_facts *facts) {
         free(facts->values[i]);
     }
     *facts = (trial_facts){.key = NULL};
-}
-
-char *asdic_trial_path(const char *folder, const char *name) {
-    char *path = NULL;
-    return asprintf(&path, "%s/%s", folder, name) < 0 ? NULL : path;
 }
 
 /* --- trial.json -------------------------------------------------------------------------------- */
@@ -176,14 +172,8 @@ void asdic_trial_print_row(const asdic_mission *mission, uint64_t run, size_t va
 /* Gives FOLDER/NAME.part its name. */
 static asdic_status settle(asdic_context *ctx, const char *folder, const char *part,
                            const char *name) {
-    char *from = asdic_trial_path(folder, part), *to = asdic_trial_path(folder, name);
-    asdic_status status = from && to ? ASDIC_OK : asdic_fail_memory(ctx, "a path");
-    if (!status && rename(from, to) != 0) {
-        status = asdic_file_fail(ctx, to, errno);
-    }
-    free(from);
-    free(to);
-    return status;
+    const asdic_file_name from = asdic_file_in(folder, part), to = asdic_file_in(folder, name);
+    return rename(from.text, to.text) == 0 ? ASDIC_OK : asdic_file_fail(ctx, to.text, errno);
 }
 
 static asdic_status write_json(asdic_context *ctx, const asdic_trial *trial, const char *path) {
@@ -196,26 +186,14 @@ static asdic_status write_json(asdic_context *ctx, const asdic_trial *trial, con
 }
 
 asdic_status asdic_trial_complete(asdic_context *ctx, asdic_trial *trial, const char *folder) {
-    char *json = asdic_trial_path(folder, "trial.json");
-    char *picture = asdic_trial_path(folder, "trial.png");
-    char *facts = asdic_trial_path(folder, "trial.part.json");
-    asdic_status status = json && picture && facts ? ASDIC_OK : asdic_fail_memory(ctx, "a path");
-    if (!status && asdic_picture_annotated()) {
-        status = asdic_trial_draw(ctx, trial, picture);
+    if (asdic_picture_annotated()) {
+        TRY(asdic_trial_draw(ctx, trial, asdic_file_in(folder, "trial.png").text));
     }
-    if (!status) {
-        status = write_json(ctx, trial, json);
-    }
-    if (!status) { /* last: as long as it has this name, --resume finds all rows */
-        status = settle(ctx, folder, "trial.part.csv", "trial.csv");
-    }
-    if (!status) {
-        unlink(facts);
-    }
-    free(json);
-    free(picture);
-    free(facts);
-    return status;
+    TRY(write_json(ctx, trial, asdic_file_in(folder, "trial.json").text));
+    /* Last: as long as it has this name, --resume finds all rows. */
+    TRY(settle(ctx, folder, "trial.part.csv", "trial.csv"));
+    unlink(asdic_file_in(folder, "trial.part.json").text);
+    return ASDIC_OK;
 }
 
 asdic_status asdic_trial_settle(asdic_context *ctx, const char *folder) {
@@ -238,62 +216,54 @@ bool asdic_trial_is_same(const trial_facts *a, const trial_facts *b) {
 }
 
 bool asdic_trial_has(const char *folder, const char *name) {
-    char *path = asdic_trial_path(folder, name);
-    bool is_there = path && access(path, F_OK) == 0;
-    free(path);
-    return is_there;
+    return access(asdic_file_in(folder, name).text, F_OK) == 0;
 }
 
-/* Opens the file NEXT, which is to become CSV unless another process flies there. */
-static asdic_status open_next(asdic_context *ctx, const char *next, const char *csv, FILE **out) {
-    int fd = asdic_file_open_new(next, O_WRONLY);
+#define NEXT "trial.part.csv.part" /* which is to become trial.part.csv */
+
+static asdic_status begin(asdic_context *ctx, const char *folder, const asdic_text *facts,
+                          const asdic_text *header, const asdic_text *rows, bool goes_on,
+                          FILE **out) {
+    const asdic_file_name csv = asdic_file_in(folder, "trial.part.csv");
+    int fd = asdic_file_open_new(asdic_file_in(folder, NEXT).text, O_WRONLY);
     if (fd < 0) {
-        return asdic_file_fail(ctx, csv, errno);
+        return asdic_file_fail(ctx, csv.text, errno);
     }
     *out = fdopen(fd, "w");
     if (!*out) {
         close(fd);
         return asdic_fail_memory(ctx, "a file");
     }
-    return asdic_file_is_being_written(csv) ? asdic_file_fail(ctx, csv, EBUSY) : ASDIC_OK;
+    if (asdic_file_is_being_written(csv.text)) { /* by another process */
+        return asdic_file_fail(ctx, csv.text, EBUSY);
+    }
+    if (!goes_on && unlink(csv.text) != 0 && errno != ENOENT) {
+        return asdic_file_fail(ctx, csv.text, errno); /* rows that FACTS are not of */
+    }
+    if (fputs(header->data, *out) < 0 || fputs(rows->data ? rows->data : "", *out) < 0 ||
+        fflush(*out) != 0) {
+        return asdic_file_fail(ctx, csv.text, errno);
+    }
+    TRY(asdic_file_write_all(ctx, asdic_file_in(folder, "trial.part.json").text, facts->data,
+                             facts->length));
+    /* Last: a process that is killed before leaves what there was. */
+    return settle(ctx, folder, NEXT, "trial.part.csv");
 }
 
 asdic_status asdic_trial_begin(asdic_context *ctx, const char *folder, const trial_facts *facts,
                                const asdic_text *header, const asdic_text *rows, bool goes_on,
                                FILE **out) {
     asdic_text text = {0};
-    char *json = asdic_trial_path(folder, "trial.part.json");
-    char *csv = asdic_trial_path(folder, "trial.part.csv");
-    char *next = asdic_trial_path(folder, "trial.part.csv.part");
     asdic_trial_print(facts, NULL, NULL, &text);
     *out = NULL;
-    asdic_status status =
-        json && csv && next && !text.failed ? ASDIC_OK : asdic_fail_memory(ctx, "a trial");
-    if (!status) {
-        status = open_next(ctx, next, csv, out);
-    }
-    if (!status && !goes_on && unlink(csv) != 0 && errno != ENOENT) {
-        status = asdic_file_fail(ctx, csv, errno); /* rows that FACTS are not of */
-    }
-    if (!status && (fputs(header->data, *out) < 0 ||
-                    fputs(rows->data ? rows->data : "", *out) < 0 || fflush(*out) != 0)) {
-        status = asdic_file_fail(ctx, csv, errno);
-    }
-    if (!status) {
-        status = asdic_file_write_all(ctx, json, text.data, text.length);
-    }
-    if (!status) { /* last: a process that is killed before leaves what there was */
-        status = settle(ctx, folder, "trial.part.csv.part", "trial.part.csv");
-    }
+    asdic_status status = text.failed ? asdic_fail_memory(ctx, "a trial")
+                                      : begin(ctx, folder, &text, header, rows, goes_on, out);
     if (status && *out) {
         fclose(*out);
         *out = NULL;
-        unlink(next);
+        unlink(asdic_file_in(folder, NEXT).text);
     }
     asdic_text_finish(&text);
-    free(json);
-    free(csv);
-    free(next);
     return status;
 }
 

@@ -52,9 +52,6 @@ void asdic_trial_print_header(const asdic_mission *mission, asdic_text *text);
 void asdic_trial_print_row(const asdic_mission *mission, uint64_t run, size_t variant,
                            const asdic_trial_run *flown, asdic_text *text);
 
-/* FOLDER/NAME, to be freed; NULL when memory is short. */
-char *asdic_trial_path(const char *folder, const char *name);
-
 /* Reads what is in FOLDER, of a trial under way when PART; ASDIC_ERROR_INPUT when there is none, or
  * it is damaged. A last row that was cut is left out of one under way. */
 asdic_status asdic_trial_read(asdic_context *ctx, const char *folder, bool part, asdic_trial **out);

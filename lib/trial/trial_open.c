@@ -4,6 +4,7 @@
 #include "trial_folder.h"
 
 #include "base/context.h"
+#include "base/file_name.h"
 #include "base/file_read.h"
 #include "base/number.h"
 #include "base/problems.h"
@@ -288,27 +289,19 @@ static bool name_variants(asdic_trial *t) {
 }
 
 static asdic_status read_all(asdic_context *ctx, const char *folder, bool part, asdic_trial *t) {
-    char *json = asdic_trial_path(folder, part ? "trial.part.json" : "trial.json");
-    char *csv = asdic_trial_path(folder, part ? "trial.part.csv" : "trial.csv");
+    const asdic_file_name csv = asdic_file_in(folder, part ? "trial.part.csv" : "trial.csv");
     char *text = NULL;
     size_t bytes = 0;
-    asdic_status status = json && csv ? ASDIC_OK : asdic_fail_memory(ctx, "a path");
-    if (!status) {
-        status = read_facts(ctx, json, &t->facts);
-    }
-    if (!status) {
-        status = asdic_file_read(ctx, csv, MOST_BYTES, &text, &bytes);
-    }
-    if (!status) {
-        status = tell(ctx, take_rows(t, text), csv, "its rows are not those of the trial");
-    }
-    if (!status && !part && t->row_count != t->facts.count * t->facts.variants) {
-        status = damaged(ctx, csv, "rows are missing");
-    }
+    TRY(read_facts(ctx, asdic_file_in(folder, part ? "trial.part.json" : "trial.json").text,
+                   &t->facts));
+    TRY(asdic_file_read(ctx, csv.text, MOST_BYTES, &text, &bytes));
+    asdic_status status =
+        tell(ctx, take_rows(t, text), csv.text, "its rows are not those of the trial");
     free(text);
-    free(json);
-    free(csv);
-    return status;
+    TRY(status);
+    return part || t->row_count == t->facts.count * t->facts.variants
+               ? ASDIC_OK
+               : damaged(ctx, csv.text, "rows are missing");
 }
 
 asdic_status asdic_trial_read(asdic_context *ctx, const char *folder, bool part,
@@ -360,10 +353,7 @@ void asdic_trial_close(asdic_trial **trial) {
 }
 
 bool asdic_trial_is_in(const char *folder) {
-    char *path = folder ? asdic_trial_path(folder, "trial.json") : NULL;
-    bool is_there = path && access(path, F_OK) == 0;
-    free(path);
-    return is_there;
+    return folder && asdic_trial_has(folder, "trial.json");
 }
 
 size_t asdic_trial_variant_count(const asdic_trial *trial) {

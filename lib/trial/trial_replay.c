@@ -5,6 +5,7 @@
 #include "trial_run.h"
 
 #include "base/context.h"
+#include "base/file_name.h"
 #include "base/try.h"
 #include "mission/run/run_folder.h"
 #include "out/digits.h"
@@ -144,6 +145,50 @@ asdic_status asdic_trial_find_rays(asdic_context *ctx, asdic_device *device,
     return status;
 }
 
+typedef struct replay {
+    const asdic_trial_options *options;
+    asdic_mission *mission;
+    asdic_track *track;
+    asdic_eye eye;
+} replay;
+
+static asdic_status write_track(asdic_context *ctx, const replay *r, const char *path) {
+    const asdic_sweep *sweep = &r->mission->settings.sweep;
+    asdic_file *file = NULL;
+    TRY(asdic_file_create(ctx, path, &file));
+    asdic_track_file_begin(file, sweep);
+    for (size_t i = 0; i < r->track->count; i++) {
+        const track_point *p = &r->track->points[i];
+        const asdic_pose pose = {{p->x_m, p->y_m, p->z_m}, p->roll_rad, p->pitch_rad, p->yaw_rad};
+        asdic_track_file_add(file, sweep, i, p->time_s, &pose);
+    }
+    return asdic_file_commit(&file);
+}
+
+static asdic_status fly_again(asdic_context *ctx, replay *r, uint64_t run, size_t variant,
+                              const char *folder, asdic_trial_run *out) {
+    const asdic_trial_options *o = r->options;
+    const asdic_file_name scene = asdic_file_in(folder, "scene.yaml");
+    const asdic_file_name poses = asdic_file_in(folder, "track.csv");
+    char why[ASDIC_TRIAL_WHY];
+    TRY(check_folder(ctx, o, folder, scene.text, poses.text));
+    TRY(asdic_trial_load(ctx, o, run, variant, NULL, &r->mission));
+    if (!r->eye.device && !r->mission->trial.is_ideal) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "a trial that pings needs a device");
+    }
+    const asdic_trial_job job = {r->mission, o->seed, run, 0, o->rule, r->track};
+    TRY(asdic_trial_run_one(&r->eye, &job, out, why));
+    if (why[0]) {
+        return asdic_fail(ctx, ASDIC_ERROR_INPUT, "run %llu is %s: %s", (unsigned long long)run,
+                          asdic_trial_outcome_name(out->outcome), why);
+    }
+    if (mkdir(folder, 0777) != 0 && errno != EEXIST) {
+        return asdic_file_fail(ctx, folder, errno);
+    }
+    TRY(asdic_mission_write_scene(ctx, r->mission, scene.text, "track.csv"));
+    return write_track(ctx, r, poses.text);
+}
+
 asdic_status asdic_trial_replay(asdic_context *ctx, asdic_device *device,
                                 const asdic_trial_options *options, uint64_t run, size_t variant,
                                 const char *folder, asdic_trial_run *out) {
@@ -151,56 +196,13 @@ asdic_status asdic_trial_replay(asdic_context *ctx, asdic_device *device,
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
                           "a run of a trial needs its scene, one of its variants and a folder");
     }
-    asdic_mission *mission = NULL;
-    asdic_track *track = calloc(1, sizeof *track);
-    asdic_eye eye = {.device = device, .lookout.ctx = ctx};
-    char why[ASDIC_TRIAL_WHY];
-    char *scene = asdic_trial_path(folder, "scene.yaml");
-    char *poses = asdic_trial_path(folder, "track.csv");
-    asdic_file *file = NULL;
-    asdic_status status =
-        scene && poses && track ? ASDIC_OK : asdic_fail_memory(ctx, "a run of a trial");
-    if (!status) {
-        status = check_folder(ctx, options, folder, scene, poses);
-    }
-    if (!status) {
-        status = asdic_trial_load(ctx, options, run, variant, NULL, &mission);
-    }
-    if (!status && !device && !mission->trial.is_ideal) {
-        status = asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "a trial that pings needs a device");
-    }
-    const asdic_trial_job job = {mission, options->seed, run, 0, options->rule, track};
-    if (!status) {
-        status = asdic_trial_run_one(&eye, &job, out, why);
-    }
-    if (!status && why[0]) {
-        status = asdic_fail(ctx, ASDIC_ERROR_INPUT, "run %llu is %s: %s", (unsigned long long)run,
-                            asdic_trial_outcome_name(out->outcome), why);
-    }
-    if (!status && mkdir(folder, 0777) != 0 && errno != EEXIST) {
-        status = asdic_file_fail(ctx, folder, errno);
-    }
-    if (!status) {
-        status = asdic_mission_write_scene(ctx, mission, scene, "track.csv");
-    }
-    if (!status) {
-        status = asdic_file_create(ctx, poses, &file);
-    }
-    if (!status) {
-        const asdic_sweep *sweep = &mission->settings.sweep;
-        asdic_track_file_begin(file, sweep);
-        for (size_t i = 0; i < track->count; i++) {
-            const track_point *p = &track->points[i];
-            const asdic_pose pose = {
-                {p->x_m, p->y_m, p->z_m}, p->roll_rad, p->pitch_rad, p->yaw_rad};
-            asdic_track_file_add(file, sweep, i, p->time_s, &pose);
-        }
-        status = asdic_file_commit(&file);
-    }
-    asdic_eye_finish(&eye);
-    asdic_mission_destroy(&mission);
-    asdic_track_destroy(&track);
-    free(scene);
-    free(poses);
+    replay r = {.options = options,
+                .track = calloc(1, sizeof *r.track),
+                .eye = {.device = device, .lookout.ctx = ctx}};
+    asdic_status status = r.track ? fly_again(ctx, &r, run, variant, folder, out)
+                                  : asdic_fail_memory(ctx, "a run of a trial");
+    asdic_eye_finish(&r.eye);
+    asdic_mission_destroy(&r.mission);
+    asdic_track_destroy(&r.track);
     return status;
 }

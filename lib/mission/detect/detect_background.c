@@ -2,10 +2,10 @@
 
 #include "base/clock.h"
 #include "base/context.h"
+#include "base/file_name.h"
 #include "base/sha256.h"
 #include "base/try.h"
 #include "mission/mission.h"
-#include "mission/run/run_folder.h"
 #include "mission/run/run_workers.h"
 #include "out/file.h"
 #include "out/npy.h"
@@ -61,7 +61,7 @@ struct asdic_backdrop {
     asdic_run *run;
     asdic_backdrop_kind kind;
     const asdic_detect_options *options;
-    char *path;
+    asdic_file_name path;
     uint64_t key; /* of the run, its scene, and the number of rays */
     /* Another than the run's: where no object is, its rays would err as the run's do, and thresholds that allow for
      * both errors would let too few false alarms through. */
@@ -151,7 +151,7 @@ static bool read_record(asdic_backdrop *b, size_t index) {
 
 /* Whether the folder holds the whole background of this run. */
 static bool find(asdic_backdrop *b) {
-    b->file = fopen(b->path, "rbe");
+    b->file = fopen(b->path.text, "rbe");
     bool is_there = b->file != NULL;
     for (size_t i = 0; i < b->pings && is_there; i++) {
         is_there = read_record(b, i);
@@ -218,7 +218,7 @@ static asdic_status simulate_on(asdic_backdrop *b, asdic_mission *mission, asdic
     mission->settings.sampling.seed = b->seed;
     mission->settings.sonar.speckle = ASDIC_SPECKLE_NONE;
     mission->settings.environment = b->run->settings.environment; /* rays bend as the run's */
-    TRY(asdic_file_create(b->run->ctx, b->path, &b->part));
+    TRY(asdic_file_create(b->run->ctx, b->path.text, &b->part));
     fwrite(b->header, b->header_bytes, 1, asdic_file_stream(b->part));
     report(b, 0);
     TRY(asdic_workers_run(b->run->ctx, &work, &result));
@@ -248,7 +248,7 @@ static asdic_status simulate(asdic_backdrop *b) {
     asdic_mission_destroy(&mission);
     TRY(status);
     return find(b) ? ASDIC_OK
-                   : asdic_fail(ctx, ASDIC_ERROR_IO, "'%s' cannot be read back", b->path);
+                   : asdic_fail(ctx, ASDIC_ERROR_IO, "'%s' cannot be read back", b->path.text);
 }
 
 /* --- use -------------------------------------------------------------------------------------- */
@@ -274,14 +274,13 @@ static asdic_status prepare(asdic_backdrop *b) {
     }
     snprintf(dtype + length, sizeof dtype - (size_t)length, "('crc32', '<u4')]");
     b->header_bytes = asdic_npy_header(b->header, dtype, b->pings, "");
-    b->path = asdic_folder_file(b->run->folder, kinds[b->kind].file);
+    b->path = asdic_file_in(b->run->folder, kinds[b->kind].file);
     b->bytes = malloc(b->record_bytes);
     b->mean_lin = malloc(b->cells * sizeof *b->mean_lin);
     b->mirrored_lin = malloc(b->cells * sizeof *b->mirrored_lin);
     b->variance_lin2 = malloc(b->cells * sizeof *b->variance_lin2);
     b->missed_lin2 = malloc(b->cells * sizeof *b->missed_lin2);
-    return b->path && b->bytes && b->mean_lin && b->mirrored_lin && b->variance_lin2 &&
-                   b->missed_lin2
+    return b->bytes && b->mean_lin && b->mirrored_lin && b->variance_lin2 && b->missed_lin2
                ? ASDIC_OK
                : asdic_fail_memory(b->run->ctx, "a background");
 }
@@ -318,7 +317,6 @@ void asdic_backdrop_close(asdic_backdrop **backdrop) {
     if (b->file) {
         fclose(b->file);
     }
-    free(b->path);
     free(b->bytes);
     free(b->mean_lin);
     free(b->mirrored_lin);
@@ -382,7 +380,7 @@ static asdic_status need_record(asdic_backdrop *b, size_t index) {
     }
     if (!read_record(b, index)) {
         return asdic_fail(b->run->ctx, ASDIC_ERROR_INPUT,
-                          "'%s' is damaged; remove it, it is made again", b->path);
+                          "'%s' is damaged; remove it, it is made again", b->path.text);
     }
     b->read = index;
     if (b->kind == ASDIC_BACKDROP_EMPTY) {

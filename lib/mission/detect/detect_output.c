@@ -5,6 +5,7 @@
 #include "detect_job.h"
 
 #include "base/context.h"
+#include "base/file_name.h"
 #include "base/try.h"
 #include "base/vec.h"
 #include "detect/evidence.h"
@@ -140,27 +141,16 @@ static asdic_status open_messages(asdic_detect_job *job, const char *path) {
 }
 
 asdic_status asdic_detect_open_files(asdic_detect_job *job) {
-    char *detections = asdic_folder_file(job->run->folder, "detections.csv");
-    char *tracks = asdic_folder_file(job->run->folder, "tracks.csv");
-    char *messages = asdic_folder_file(job->run->folder, "detections.mcap");
-    asdic_status status =
-        open_file(job, detections,
+    const char *folder = job->run->folder;
+    TRY(open_file(job, asdic_file_in(folder, "detections.csv").text,
                   "ping,time_s,beam,bin,range_m,x_m,y_m,z_m,level_db,background_db,llr,posterior,"
                   "pd,truth\n",
-                  &job->detections);
-    if (!status) {
-        status = open_file(job, tracks,
-                           "ping,time_s,track,confirmed,hit,x_m,y_m,vx_mps,vy_mps,sd_x_m,"
-                           "sd_y_m,truth\n",
-                           &job->tracks);
-    }
-    if (!status) {
-        status = open_messages(job, messages);
-    }
-    free(detections);
-    free(tracks);
-    free(messages);
-    return status;
+                  &job->detections));
+    TRY(open_file(job, asdic_file_in(folder, "tracks.csv").text,
+                  "ping,time_s,track,confirmed,hit,x_m,y_m,vx_mps,vy_mps,sd_x_m,"
+                  "sd_y_m,truth\n",
+                  &job->tracks));
+    return open_messages(job, asdic_file_in(folder, "detections.mcap").text);
 }
 
 asdic_vec3 asdic_detect_position(const asdic_detect_job *job, const asdic_record *record,
@@ -331,7 +321,6 @@ asdic_status asdic_detect_add_to_map(asdic_detect_job *job, const asdic_record *
 
 asdic_status asdic_detect_draw_map(asdic_detect_job *job) {
     char title[256 + ASDIC_SUBTITLE_SIZE], facts[ASDIC_SUBTITLE_SIZE], note[256];
-    char *path = asdic_folder_file(job->run->folder, "occupancy.png");
     const char *texts[] = {"Software", "asdic", "scene_sha256", job->info.scene_hash, "Title",
                            title,      NULL};
     asdic_series way = {.label = "vehicle, ending at the dot",
@@ -350,9 +339,6 @@ asdic_status asdic_detect_draw_map(asdic_detect_job *job) {
                      .lines = &way,
                      .line_count = 1};
     asdic_picture_options options = asdic_picture_options_default();
-    if (!path) {
-        return asdic_fail_memory(job->ctx, "a file name");
-    }
     asdic_picture_subtitle(job->info.sonar, job->run->facts.bin_length_m, facts);
     snprintf(title, sizeof title, "%s: occupancy after %zu ping%s\n%s", job->info.scene_name,
              job->pings_done, job->pings_done == 1 ? "" : "s", facts);
@@ -366,7 +352,6 @@ asdic_status asdic_detect_draw_map(asdic_detect_job *job) {
     options.title = title;
     options.note = note;
     options.texts = texts;
-    asdic_status status = asdic_picture_map(job->ctx, path, &map, &options);
-    free(path);
-    return status;
+    return asdic_picture_map(job->ctx, asdic_file_in(job->run->folder, "occupancy.png").text, &map,
+                             &options);
 }

@@ -1,11 +1,11 @@
 #include "run_chart_data.h"
 
 #include "base/context.h"
+#include "base/file_name.h"
 #include "base/file_read.h"
 #include "base/number.h"
 #include "base/try.h"
 #include "base/vec.h"
-#include "run_folder.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -145,10 +145,12 @@ static asdic_status parse_routes(scan *s, asdic_chart_data *out) {
     return ASDIC_OK;
 }
 
-/* Reads the file PATH by PARSE; does nothing when there is no such file. */
-static asdic_status read_file(asdic_context *ctx, const char *path,
+/* Reads the file NAME of FOLDER by PARSE; does nothing when there is no such file. */
+static asdic_status read_part(asdic_context *ctx, const char *folder, const char *name,
                               asdic_status (*parse)(scan *, asdic_chart_data *),
                               asdic_chart_data *out) {
+    const asdic_file_name file = asdic_file_in(folder, name);
+    const char *path = file.text;
     char *text = NULL;
     size_t length = 0;
     if (access(path, F_OK) != 0) {
@@ -165,16 +167,6 @@ static asdic_status read_file(asdic_context *ctx, const char *path,
                           path);
     }
     return status ? asdic_fail_memory(ctx, path) : ASDIC_OK;
-}
-
-static asdic_status read_part(asdic_context *ctx, const char *folder, const char *name,
-                              asdic_status (*parse)(scan *, asdic_chart_data *),
-                              asdic_chart_data *out) {
-    char *path = asdic_folder_file(folder, name);
-    asdic_status status =
-        path ? read_file(ctx, path, parse, out) : asdic_fail_memory(ctx, "a file name");
-    free(path);
-    return status;
 }
 
 static asdic_status read_parts(asdic_context *ctx, const char *folder, asdic_chart_data *out) {

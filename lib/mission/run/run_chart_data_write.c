@@ -1,6 +1,7 @@
 #include "run_chart_data.h"
 
 #include "base/context.h"
+#include "base/file_name.h"
 #include "base/file_read.h"
 #include "base/try.h"
 #include "base/vec.h"
@@ -8,7 +9,6 @@
 #include "out/axis.h"
 #include "out/digits.h"
 #include "out/file.h"
-#include "run_folder.h"
 #include "scene/chart.h"
 
 #include <math.h>
@@ -190,29 +190,16 @@ static asdic_status write_routes(asdic_context *ctx, const asdic_mission *missio
     return file ? asdic_file_commit(&file) : ASDIC_OK;
 }
 
-/* Writes the file NAME of FOLDER by WRITE. */
-static asdic_status
-write_part(asdic_context *ctx, const asdic_mission *mission, const char *folder, const char *name,
-           asdic_status (*write)(asdic_context *, const asdic_mission *, const char *)) {
-    char *path = asdic_folder_file(folder, name);
-    asdic_status status = path ? write(ctx, mission, path) : asdic_fail_memory(ctx, "a file name");
-    free(path);
-    return status;
-}
-
 asdic_status asdic_chart_data_write(asdic_context *ctx, const asdic_mission *mission,
                                     const char *folder) {
-    TRY(write_part(ctx, mission, folder, "terrain.asc", write_terrain));
-    TRY(write_part(ctx, mission, folder, "objects.csv", write_objects));
-    return write_part(ctx, mission, folder, "routes.csv", write_routes);
+    TRY(write_terrain(ctx, mission, asdic_file_in(folder, "terrain.asc").text));
+    TRY(write_objects(ctx, mission, asdic_file_in(folder, "objects.csv").text));
+    return write_routes(ctx, mission, asdic_file_in(folder, "routes.csv").text);
 }
 
 static asdic_status copy(asdic_context *ctx, const char *source, const char *target) {
     char *bytes = NULL;
     size_t length;
-    if (!source || !target) {
-        return asdic_fail_memory(ctx, "a file name");
-    }
     if (access(source, F_OK) != 0) {
         return ASDIC_OK;
     }
@@ -225,11 +212,7 @@ static asdic_status copy(asdic_context *ctx, const char *source, const char *tar
 asdic_status asdic_chart_data_copy(asdic_context *ctx, const char *from, const char *to) {
     static const char *const parts[] = {"terrain.asc", "objects.csv", "routes.csv"};
     for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
-        char *source = asdic_folder_file(from, parts[i]), *target = asdic_folder_file(to, parts[i]);
-        asdic_status status = copy(ctx, source, target);
-        free(source);
-        free(target);
-        TRY(status);
+        TRY(copy(ctx, asdic_file_in(from, parts[i]).text, asdic_file_in(to, parts[i]).text));
     }
     return ASDIC_OK;
 }

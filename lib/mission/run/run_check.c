@@ -1,6 +1,7 @@
 #include "run_check.h"
 
 #include "base/context.h"
+#include "base/file_name.h"
 #include "base/text.h"
 #include "base/try.h"
 #include "out/format.h"
@@ -31,16 +32,13 @@ static bool is_small(const char *name) {
 static asdic_status note(asdic_context *ctx, const char *folder, const char *name,
                          asdic_run_facts *facts) {
     asdic_run_file *file = &facts->files[facts->file_count];
-    char *path = asdic_folder_file(folder, name);
-    if (!path) {
-        return asdic_fail_memory(ctx, "a file name");
+    asdic_file_name path = asdic_file_in(folder, name);
+    if (access(path.text, F_OK) != 0) {
+        return ASDIC_OK;
     }
-    bool is_there = access(path, F_OK) == 0;
-    asdic_status status = is_there ? asdic_file_sum(ctx, path, &file->sum) : ASDIC_OK;
     snprintf(file->name, sizeof file->name, "%s", name);
-    facts->file_count += is_there;
-    free(path);
-    return status;
+    facts->file_count++;
+    return asdic_file_sum(ctx, path.text, &file->sum);
 }
 
 asdic_status asdic_run_check_note(asdic_context *ctx, const char *folder, asdic_arena *arena,
@@ -72,29 +70,18 @@ static void lose(lost_files *lost, const char *folder, const char *name) {
     lost->count++;
 }
 
-static asdic_status check_file(asdic_context *ctx, const char *folder, const asdic_run_file *file,
-                               lost_files *lost) {
+static void check_file(asdic_context *ctx, const char *folder, const asdic_run_file *file,
+                       lost_files *lost) {
     asdic_sum now;
-    char *path = asdic_folder_file(folder, file->name);
-    if (!path) {
-        return asdic_fail_memory(ctx, "a file name");
-    }
-    if (asdic_file_sum(ctx, path, &now) || now.bytes != file->sum.bytes ||
-        now.crc32 != file->sum.crc32) {
+    if (asdic_file_sum(ctx, asdic_file_in(folder, file->name).text, &now) ||
+        now.bytes != file->sum.bytes || now.crc32 != file->sum.crc32) {
         lose(lost, folder, file->name);
     }
-    free(path);
-    return ASDIC_OK;
 }
 
 static asdic_status check_picture(asdic_context *ctx, const char *folder, const char *name,
                                   lost_files *lost) {
-    char *path = asdic_folder_file(folder, name);
-    if (!path) {
-        return asdic_fail_memory(ctx, "a file name");
-    }
-    asdic_status status = asdic_png_check(ctx, path);
-    free(path);
+    asdic_status status = asdic_png_check(ctx, asdic_file_in(folder, name).text);
     if (status == ASDIC_ERROR_INPUT) {
         lose(lost, folder, name);
         return ASDIC_OK;
@@ -122,11 +109,11 @@ asdic_status asdic_run_check(asdic_context *ctx, const char *folder, const asdic
                              asdic_run_checked what) {
     lost_files lost = {0};
     asdic_status status = ASDIC_OK;
-    for (size_t i = 0; i < facts->file_count && !status; i++) {
+    for (size_t i = 0; i < facts->file_count; i++) {
         const char *name = facts->files[i].name;
         if (what == ASDIC_RUN_ALL || (what == ASDIC_RUN_SMALL && is_small(name)) ||
             (what == ASDIC_RUN_ELEMENTS && strcmp(name, ASDIC_ELEMENTS_NAME) == 0)) {
-            status = check_file(ctx, folder, &facts->files[i], &lost);
+            check_file(ctx, folder, &facts->files[i], &lost);
         }
     }
     for (size_t i = 0; what == ASDIC_RUN_ALL && i < facts->picture_count && !status; i++) {

@@ -1,6 +1,7 @@
 #include "run_elements.h"
 
 #include "base/context.h"
+#include "base/file_name.h"
 #include "run_folder.h"
 #include "sim/coherent.h"
 
@@ -31,24 +32,18 @@ asdic_status asdic_elements_shape_read(asdic_context *ctx, const char *folder,
     if (!settings->elements) {
         return ASDIC_OK;
     }
-    char *path = asdic_folder_file(folder, ASDIC_ELEMENTS_NAME);
-    if (!path) {
-        return asdic_fail_memory(ctx, "a file name");
-    }
-    FILE *file = fopen(path, "rb");
+    asdic_file_name path = asdic_file_in(folder, ASDIC_ELEMENTS_NAME);
+    FILE *file = fopen(path.text, "rb");
     size_t length = file ? fread(header, 1, sizeof header - 1, file) : 0;
     const char *shape = length > MAGIC ? strstr(header + MAGIC, "(") : NULL;
     bool is_read =
         shape && sscanf(shape, "(%zu, %zu, %zu", &out->pings, &out->elements, &out->samples) == 3;
-    asdic_status status = ASDIC_OK;
-    if (!is_read || out->elements != settings->sonar.array.elements) {
-        status = asdic_fail(ctx, ASDIC_ERROR_INPUT, "'%s' is missing or damaged", path);
-    }
     if (file) {
         fclose(file);
     }
-    free(path);
-    return status;
+    return is_read && out->elements == settings->sonar.array.elements
+               ? ASDIC_OK
+               : asdic_fail(ctx, ASDIC_ERROR_INPUT, "'%s' is missing or damaged", path.text);
 }
 
 uint64_t asdic_elements_bytes(const asdic_elements_shape *shape) {

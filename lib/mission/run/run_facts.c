@@ -2,6 +2,7 @@
 #include "run_facts_keys.h"
 
 #include "base/context.h"
+#include "base/file_name.h"
 #include "base/text.h"
 #include "base/vec.h"
 #include "out/digits.h"
@@ -318,10 +319,9 @@ asdic_status asdic_run_facts_write(asdic_context *ctx, const char *folder,
     if (all) {
         asdic_run_facts_sign(all, length);
     }
-    char *path = asdic_folder_file(folder, "run.json");
-    asdic_status status = all && path ? asdic_file_write_all(ctx, path, all, length)
-                                      : asdic_fail_memory(ctx, "run.json");
-    free(path);
+    asdic_status status =
+        all ? asdic_file_write_all(ctx, asdic_file_in(folder, "run.json").text, all, length)
+            : asdic_fail_memory(ctx, "run.json");
     free(all);
     return status;
 }

@@ -2,6 +2,7 @@
 #include "run_facts_keys.h"
 
 #include "base/context.h"
+#include "base/file_name.h"
 #include "base/file_read.h"
 #include "base/number.h"
 #include "base/problems.h"
@@ -246,14 +247,13 @@ static void read_all(reader *r, asdic_arena *arena, asdic_run_facts *facts) {
 
 asdic_status asdic_run_facts_read(asdic_context *ctx, const char *folder, asdic_arena *arena,
                                   asdic_run_facts *facts) {
-    char *path = asdic_folder_file(folder, "run.json"), *text = NULL;
+    const asdic_file_name file = asdic_file_in(folder, "run.json");
+    const char *path = file.text;
+    char *text = NULL;
     size_t length = 0;
     asdic_yaml_node *root = NULL;
     asdic_problems problems = {0};
     *facts = (asdic_run_facts){0};
-    if (!path) {
-        return asdic_fail_memory(ctx, "a file name");
-    }
     asdic_status status = asdic_file_read(ctx, path, MAX_BYTES, &text, &length);
     if (status == ASDIC_ERROR_INPUT) {
         status =
@@ -287,6 +287,5 @@ asdic_status asdic_run_facts_read(asdic_context *ctx, const char *folder, asdic_
 done:
     asdic_problems_finish(&problems);
     free(text);
-    free(path);
     return status;
 }

@@ -1,6 +1,7 @@
 #include "run_files.h"
 
 #include "base/context.h"
+#include "base/file_name.h"
 #include "base/try.h"
 #include "out/csv.h"
 #include "out/format.h"
@@ -24,31 +25,14 @@ asdic_status asdic_files_check(asdic_context *ctx, const asdic_settings *setting
                : ASDIC_OK;
 }
 
-static asdic_status open_csv(asdic_context *ctx, const char *folder, const asdic_settings *settings,
-                             size_t bins, asdic_csv **out) {
-    char *path = asdic_folder_file(folder, "bins.csv");
-    asdic_status status =
-        path ? asdic_csv_create(ctx, path, &settings->sonar, bins, settings->output.csv, out)
-             : asdic_fail_memory(ctx, "a file name");
-    free(path);
-    return status;
-}
-
-static asdic_status open_format(asdic_context *ctx, const char *folder, const asdic_format *format,
-                                const asdic_format_about *about, void **out) {
-    char *path = asdic_folder_file(folder, format->file);
-    asdic_status status =
-        path ? format->open(ctx, path, about, out) : asdic_fail_memory(ctx, format->file);
-    free(path);
-    return status;
-}
-
 static asdic_status open_all(asdic_context *ctx, const char *folder, const asdic_settings *settings,
                              const asdic_format_about *about, asdic_files *files) {
-    TRY(open_csv(ctx, folder, settings, about->bins, &files->csv));
+    TRY(asdic_csv_create(ctx, asdic_file_in(folder, "bins.csv").text, &settings->sonar, about->bins,
+                         settings->output.csv, &files->csv));
     for (size_t i = 0; i < ASDIC_FORMAT_COUNT; i++) {
         if (wants(settings, i)) {
-            TRY(open_format(ctx, folder, asdic_formats[i], about, &files->formats[i]));
+            const asdic_format *f = asdic_formats[i];
+            TRY(f->open(ctx, asdic_file_in(folder, f->file).text, about, &files->formats[i]));
         }
     }
     return ASDIC_OK;

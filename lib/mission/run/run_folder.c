@@ -281,11 +281,6 @@ void asdic_folder_remove(asdic_context *ctx, const char *folder) {
     }
 }
 
-char *asdic_folder_file(const char *folder, const char *name) {
-    char *path = NULL;
-    return asprintf(&path, "%s/%s", folder, name) < 0 ? NULL : path;
-}
-
 char *asdic_folder_path(const char *folder, const char *stem, const char *name,
                         const char *extension) {
     char *path = NULL;

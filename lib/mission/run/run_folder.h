@@ -39,9 +39,6 @@ asdic_status asdic_folder_pictures(asdic_context *ctx, const char *folder, asdic
 /* Removes a run that holds nothing, and the folder when it is empty then. */
 void asdic_folder_remove(asdic_context *ctx, const char *folder);
 
-/* "FOLDER/NAME", freed with free(); NULL when memory is short. */
-char *asdic_folder_file(const char *folder, const char *name);
-
 /* "FOLDER/STEMNAME.EXTENSION" with NAME made fit for a file; freed with free(), NULL when memory
  * is short. */
 char *asdic_folder_path(const char *folder, const char *stem, const char *name,

@@ -2,6 +2,7 @@
 
 #include "base/clock.h"
 #include "base/context.h"
+#include "base/file_name.h"
 #include "base/number.h"
 #include "base/sha256.h"
 #include "base/try.h"
@@ -343,13 +344,9 @@ static asdic_status open_run(asdic_run_job *job) {
 
 /* Writes the poses of the vehicle at the run's pings. */
 static asdic_status write_track(asdic_run_job *job) {
-    char *path = asdic_folder_file(job->options->folder, "track.csv");
-    asdic_status status =
-        path ? asdic_mission_write_pings(job->ctx, job->mission, job->facts.first_ping,
-                                         job->facts.pings_planned, path)
-             : asdic_fail_memory(job->ctx, "a file name");
-    free(path);
-    return status;
+    return asdic_mission_write_pings(job->ctx, job->mission, job->facts.first_ping,
+                                     job->facts.pings_planned,
+                                     asdic_file_in(job->options->folder, "track.csv").text);
 }
 
 static asdic_status open_files(asdic_run_job *job) {

@@ -1,6 +1,7 @@
 #include <asdic/run.h>
 
 #include "base/context.h"
+#include "base/file_name.h"
 #include "base/try.h"
 #include "run_elements.h"
 #include "run_check.h"
@@ -162,18 +163,11 @@ static asdic_status sum_up(merger *m) {
     return ASDIC_OK;
 }
 
-static asdic_status copy_track(merger *m, const asdic_run *part) {
-    char *path = asdic_folder_file(part->folder, "track.csv");
-    asdic_status status = path ? asdic_track_file_append(m->ctx, m->track, path)
-                               : asdic_fail_memory(m->ctx, "a file name");
-    free(path);
-    return status;
-}
-
 static asdic_status copy_records(merger *m) {
     for (size_t i = 0; i < m->count; i++) {
         asdic_run *part = m->parts[i];
-        TRY(copy_track(m, part));
+        TRY(asdic_track_file_append(m->ctx, m->track,
+                                    asdic_file_in(part->folder, "track.csv").text));
         for (size_t k = 0; k < part->facts.pings_planned; k++) {
             asdic_record record;
             TRY(asdic_run_read(part, k, &record));
@@ -227,12 +221,8 @@ static asdic_status join_elements(merger *m) {
 }
 
 static asdic_status open_files(merger *m) {
-    char *track = asdic_folder_file(m->folder, "track.csv");
-    asdic_status status = track ? asdic_file_create(m->ctx, track, &m->track)
-                                : asdic_fail_memory(m->ctx, "a file name");
     asdic_record first;
-    free(track);
-    TRY(status);
+    TRY(asdic_file_create(m->ctx, asdic_file_in(m->folder, "track.csv").text, &m->track));
     asdic_track_file_begin(m->track, &m->parts[0]->settings.sweep);
     TRY(asdic_run_read(m->parts[0], 0, &first));
     return asdic_files_create(m->ctx, m->folder, &m->parts[0]->settings, &m->facts,

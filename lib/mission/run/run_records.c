@@ -1,10 +1,10 @@
 #include "run_records.h"
 
 #include "base/context.h"
+#include "base/file_name.h"
 #include "base/try.h"
 #include "out/file.h"
 #include "out/npy.h"
-#include "run_folder.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -17,7 +17,8 @@
 
 struct asdic_records {
     asdic_context *ctx;
-    char *path, *part, *dtype, *rest;
+    asdic_file_name path, part;
+    char *dtype, *rest;
     int fd;
     bool is_part;
     size_t record_bytes, header_bytes, count;
@@ -25,7 +26,7 @@ struct asdic_records {
 
 static asdic_status fail_io(asdic_records *r, const char *verb) {
     return asdic_fail(r->ctx, ASDIC_ERROR_IO, "cannot %s '%s': %s", verb,
-                      r->is_part ? r->part : r->path, strerror(errno));
+                      r->is_part ? r->part.text : r->path.text, strerror(errno));
 }
 
 static bool write_at(int fd, const void *bytes, size_t length, size_t offset) {
@@ -88,7 +89,7 @@ static asdic_status count_records(asdic_records *r, size_t *bytes) {
 static asdic_status open_finished(asdic_records *r) {
     char expected[ASDIC_NPY_HEADER_SIZE], found[ASDIC_NPY_HEADER_SIZE];
     size_t bytes = 0;
-    r->fd = open(r->path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    r->fd = open(r->path.text, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     if (r->fd < 0) {
         return fail_io(r, "read");
     }
@@ -102,7 +103,7 @@ static asdic_status open_finished(asdic_records *r) {
     return asdic_fail(r->ctx, ASDIC_ERROR_INPUT,
                       "'%s' is damaged, or of another run or version (%zu bytes, records of %zu "
                       "bytes after a header of %zu)",
-                      r->path, bytes, r->record_bytes, r->header_bytes);
+                      r->path.text, bytes, r->record_bytes, r->header_bytes);
 }
 
 /* A file to which records are added must be the folder's own. */
@@ -120,13 +121,14 @@ static asdic_status refuse_link(asdic_records *r, const char *path) {
 /* The header is written again on commit: what the records are is known, and each has its sum. */
 static asdic_status open_left(asdic_records *r) {
     size_t bytes = 0;
-    TRY(refuse_link(r, r->part));
-    TRY(refuse_link(r, r->path));
+    TRY(refuse_link(r, r->part.text));
+    TRY(refuse_link(r, r->path.text));
     /* A finished file becomes the .part again until it is committed. */
-    if (access(r->part, F_OK) != 0 && rename(r->path, r->part) != 0 && errno != ENOENT) {
+    if (access(r->part.text, F_OK) != 0 && rename(r->path.text, r->part.text) != 0 &&
+        errno != ENOENT) {
         return fail_io(r, "write");
     }
-    r->fd = open(r->part, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666);
+    r->fd = open(r->part.text, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666);
     if (r->fd < 0) {
         return fail_io(r, "write");
     }
@@ -143,8 +145,8 @@ static asdic_status open_file(asdic_records *r, asdic_store_mode mode) {
     if (mode == ASDIC_STORE_RESUME) {
         return open_left(r);
     }
-    r->fd = asdic_file_open_new(r->part, O_RDWR);
-    return r->fd < 0 ? asdic_file_fail(r->ctx, r->part, errno) : write_header(r, 0);
+    r->fd = asdic_file_open_new(r->part.text, O_RDWR);
+    return r->fd < 0 ? asdic_file_fail(r->ctx, r->part.text, errno) : write_header(r, 0);
 }
 
 asdic_status asdic_records_open(asdic_context *ctx, const char *folder, asdic_store_mode mode,
@@ -157,14 +159,14 @@ asdic_status asdic_records_open(asdic_context *ctx, const char *folder, asdic_st
     }
     snprintf(part, sizeof part, "%s.part", shape->name);
     *r = (asdic_records){.ctx = ctx,
-                         .path = asdic_folder_file(folder, shape->name),
-                         .part = asdic_folder_file(folder, part),
+                         .path = asdic_file_in(folder, shape->name),
+                         .part = asdic_file_in(folder, part),
                          .dtype = strdup(shape->dtype),
                          .rest = strdup(shape->rest),
                          .fd = -1,
                          .record_bytes = shape->bytes,
                          .header_bytes = asdic_npy_header(header, shape->dtype, 0, shape->rest)};
-    bool has_memory = r->path && r->part && r->dtype && r->rest;
+    bool has_memory = r->dtype && r->rest;
     asdic_status status = has_memory ? open_file(r, mode) : asdic_fail_memory(ctx, shape->name);
     if (status != ASDIC_OK) {
         asdic_records_close(&r);
@@ -178,7 +180,7 @@ size_t asdic_records_count(const asdic_records *r) {
 }
 
 const char *asdic_records_path(const asdic_records *r) {
-    return r->is_part ? r->part : r->path;
+    return r->is_part ? r->part.text : r->path.text;
 }
 
 static size_t offset_of(const asdic_records *r, size_t index) {
@@ -207,7 +209,7 @@ asdic_status asdic_records_commit(asdic_records *r) {
     r->is_part = true;
     TRY(asdic_records_cut(r, r->count)); /* drops an incomplete record */
     TRY(write_header(r, r->count));
-    if (fsync(r->fd) != 0 || rename(r->part, r->path) != 0) {
+    if (fsync(r->fd) != 0 || rename(r->part.text, r->path.text) != 0) {
         return fail_io(r, "write");
     }
     r->is_part = false;
@@ -222,8 +224,6 @@ void asdic_records_close(asdic_records **records) {
     if (r->fd >= 0) {
         close(r->fd);
     }
-    free(r->path);
-    free(r->part);
     free(r->dtype);
     free(r->rest);
     free(r);

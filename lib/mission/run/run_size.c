@@ -2,6 +2,7 @@
 
 #include "base/clock.h"
 #include "base/context.h"
+#include "base/file_name.h"
 #include "base/number.h"
 #include "base/try.h"
 #include "mission/mission.h"
@@ -188,10 +189,7 @@ const char *asdic_bytes_text(uint64_t bytes, char text[ASDIC_BYTES_TEXT]) {
 /* What an earlier call left of FOLDER/NAME. */
 static uint64_t bytes_there(const char *folder, const char *name) {
     struct stat st;
-    char *path = asdic_folder_file(folder, name);
-    uint64_t bytes = path && stat(path, &st) == 0 ? (uint64_t)st.st_size : 0;
-    free(path);
-    return bytes;
+    return stat(asdic_file_in(folder, name).text, &st) == 0 ? (uint64_t)st.st_size : 0;
 }
 
 asdic_status asdic_run_check_room(asdic_context *ctx, const asdic_mission *mission,
