@@ -1,6 +1,7 @@
 #include "gather.h"
 
 #include "base/context.h"
+#include "base/file_name.h"
 #include "base/file_read.h"
 #include "base/text.h"
 #include "base/try.h"
@@ -15,7 +16,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-static const char *const summaries[] = {"dataset.json", "manifest.jsonl", "classes.txt",
+#define SET "dataset.json"
+static const char *const summaries[] = {SET, "manifest.jsonl", "classes.txt",
                                         "polar/annotations.json", "bearing/annotations.json"};
 #define SUMMARIES (sizeof summaries / sizeof *summaries)
 
@@ -37,9 +39,12 @@ static size_t frames_of(const char *set) {
 }
 
 bool asdic_dataset_is_in(const char *folder) {
-    char path[4096];
-    snprintf(path, sizeof path, "%s/dataset.json", folder ? folder : "");
-    return folder && access(path, F_OK) == 0;
+    return folder && access(asdic_file_in(folder, SET).text, F_OK) == 0;
+}
+
+static asdic_status read_set(asdic_context *ctx, const char *folder, char **text, size_t *length) {
+    return asdic_file_read(ctx, asdic_file_in(folder, SET).text, ASDIC_FRAME_MOST_BYTES, text,
+                           length);
 }
 
 static asdic_status make_folder(asdic_context *ctx, const char *path) {
@@ -51,24 +56,21 @@ static asdic_status make_folder(asdic_context *ctx, const char *path) {
 
 /* Removes what a set wrote into FOLDER: its frames, by their records, and the files about all. */
 static asdic_status clear(asdic_context *ctx, const char *folder) {
-    char path[4096], *text = NULL;
+    char *text = NULL;
     size_t length = 0;
-    snprintf(path, sizeof path, "%s/dataset.json", folder);
-    TRY(asdic_file_read(ctx, path, ASDIC_FRAME_MOST_BYTES, &text, &length));
+    TRY(read_set(ctx, folder, &text, &length));
     size_t frames = frames_of(text);
     free(text);
     for (size_t k = 0; k < frames; k++) {
         for (size_t i = 0; i < ASDIC_FRAME_FOLDERS; i++) {
-            if (asdic_frame_folders[i].extension) {
-                asdic_frame_path(path, folder, asdic_frame_folders[i].name, k,
-                                 asdic_frame_folders[i].extension);
-                unlink(path);
+            const asdic_frame_folder *sub = &asdic_frame_folders[i];
+            if (sub->extension) {
+                unlink(asdic_frame_path(folder, sub->name, k, sub->extension).text);
             }
         }
     }
     for (size_t i = 0; i < SUMMARIES; i++) {
-        snprintf(path, sizeof path, "%s/%s", folder, summaries[i]);
-        unlink(path);
+        unlink(asdic_file_in(folder, summaries[i]).text);
     }
     return ASDIC_OK;
 }
@@ -92,15 +94,13 @@ asdic_status asdic_dataset_check(asdic_context *ctx, const asdic_dataset_options
 asdic_status asdic_dataset_enter(asdic_context *ctx, const asdic_dataset_options *options,
                                  DIR **lock) {
     const char *folder = options->folder;
-    char path[4096];
     TRY(asdic_folder_hold(ctx, folder, lock));
     TRY(asdic_dataset_check(ctx, options)); /* another process may have been quicker */
     if (asdic_dataset_is_in(folder) && options->force) {
         TRY(clear(ctx, folder));
     }
     for (size_t i = 0; i < ASDIC_FRAME_FOLDERS; i++) {
-        snprintf(path, sizeof path, "%s/%s", folder, asdic_frame_folders[i].name);
-        TRY(make_folder(ctx, path));
+        TRY(make_folder(ctx, asdic_file_in(folder, asdic_frame_folders[i].name).text));
     }
     return ASDIC_OK;
 }
@@ -116,11 +116,10 @@ static bool are_alike(const char *a, const char *b) {
 /* Frames of another part than OPTIONS' would stay, and be in no file about all: of COUNT there may be. */
 static asdic_status refuse_others(asdic_context *ctx, const asdic_dataset_options *options,
                                   size_t count) {
-    char path[4096];
     for (size_t k = 0; k < count; k++) {
+        asdic_file_name record = asdic_frame_path(options->folder, "frames", k, "txt");
         bool is_other = k < options->first || k >= options->end;
-        asdic_frame_path(path, options->folder, "frames", k, "txt");
-        if (is_other && access(path, F_OK) == 0) {
+        if (is_other && access(record.text, F_OK) == 0) {
             return asdic_fail(
                 ctx, ASDIC_ERROR_EXISTS,
                 "'%s' holds frame %zu, which is not of the part to be resumed, frames "
@@ -133,13 +132,13 @@ static asdic_status refuse_others(asdic_context *ctx, const asdic_dataset_option
 
 asdic_status asdic_dataset_begin(asdic_context *ctx, const asdic_dataset_options *options,
                                  const char *text) {
-    char path[4096], *there = NULL;
+    const asdic_file_name path = asdic_file_in(options->folder, SET);
+    char *there = NULL;
     size_t length = 0;
-    snprintf(path, sizeof path, "%s/dataset.json", options->folder);
     if (!asdic_dataset_is_in(options->folder)) {
-        return asdic_file_write_all(ctx, path, text, strlen(text));
+        return asdic_file_write_all(ctx, path.text, text, strlen(text));
     }
-    TRY(asdic_file_read(ctx, path, ASDIC_FRAME_MOST_BYTES, &there, &length));
+    TRY(read_set(ctx, options->folder, &there, &length));
     size_t frames = frames_of(there);
     bool alike = strlen(there) == length && are_alike(there, text);
     free(there);
@@ -155,7 +154,7 @@ asdic_status asdic_dataset_begin(asdic_context *ctx, const asdic_dataset_options
                           options->folder, frames);
     }
     TRY(refuse_others(ctx, options, frames));
-    return frames < options->frames ? asdic_file_write_all(ctx, path, text, strlen(text))
+    return frames < options->frames ? asdic_file_write_all(ctx, path.text, text, strlen(text))
                                     : ASDIC_OK;
 }
 
@@ -205,19 +204,19 @@ static void take_line(gatherer *g, const char *line, size_t length) {
 }
 
 static asdic_status take_frame(gatherer *g, size_t index, bool is_first) {
-    char path[4096], sub[32], *text = NULL;
+    char *text = NULL;
     size_t length = 0;
-    asdic_frame_path(path, g->options->folder, "frames", index, "txt");
-    TRY(asdic_file_read(g->ctx, path, ASDIC_FRAME_MOST_BYTES, &text, &length));
+    TRY(asdic_file_read(g->ctx, asdic_frame_path(g->options->folder, "frames", index, "txt").text,
+                        ASDIC_FRAME_MOST_BYTES, &text, &length));
     for (char *line = text, *end; (end = strchr(line, '\n')) != NULL; line = end + 1) {
         take_line(g, line, (size_t)(end - line));
     }
     free(text);
     for (int form = 0; form < ASDIC_FORM_COUNT; form++) {
         unsigned size[2] = {0, 0};
-        snprintf(sub, sizeof sub, "%s/images", asdic_form_names[form]);
-        asdic_frame_path(path, g->options->folder, sub, index, "png");
-        TRY(read_size(g->ctx, path, size));
+        const asdic_file_name sub = asdic_file_in(asdic_form_names[form], "images"),
+                              image = asdic_frame_path(g->options->folder, sub.text, index, "png");
+        TRY(read_size(g->ctx, image.text, size));
         asdic_text_format(&g->images[form],
                           "%s{\"id\":%zu,\"file_name\":\"images/%06zu.png\",\"width\":%u,"
                           "\"height\":%u}",
@@ -248,14 +247,13 @@ static const char *classes_of(const gatherer *g) {
 }
 
 static asdic_status write_text(gatherer *g, const char *name, asdic_text *text) {
-    char path[4096], *whole;
     size_t length = text->length;
-    snprintf(path, sizeof path, "%s/%s", g->options->folder, name);
-    whole = text->failed ? NULL : asdic_text_take(text);
+    char *whole = text->failed ? NULL : asdic_text_take(text);
     if (!whole && length > 0) {
         return asdic_fail_memory(g->ctx, "a data set");
     }
-    asdic_status status = asdic_file_write_all(g->ctx, path, whole ? whole : "", length);
+    asdic_status status = asdic_file_write_all(g->ctx, asdic_file_in(g->options->folder, name).text,
+                                               whole ? whole : "", length);
     free(whole);
     return status;
 }
@@ -302,10 +300,8 @@ static asdic_status gather(gatherer *g) {
 
 asdic_status asdic_dataset_gather(asdic_context *ctx, const asdic_dataset_options *options) {
     gatherer g = {.ctx = ctx, .options = options};
-    char path[4096];
     size_t length = 0;
-    snprintf(path, sizeof path, "%s/dataset.json", options->folder);
-    asdic_status status = asdic_file_read(ctx, path, ASDIC_FRAME_MOST_BYTES, &g.set, &length);
+    asdic_status status = read_set(ctx, options->folder, &g.set, &length);
     status = status ? status : gather(&g);
     asdic_text_finish(&g.manifest);
     for (int form = 0; form < ASDIC_FORM_COUNT; form++) {
@@ -330,10 +326,8 @@ static asdic_status copy(asdic_context *ctx, const char *from, const char *to) {
 /* The first of PARTS that has frame INDEX. */
 static asdic_status find_part(asdic_context *ctx, const char *const *parts, size_t count,
                               size_t index, const char **out) {
-    char path[4096];
     for (size_t p = 0; p < count; p++) {
-        asdic_frame_path(path, parts[p], "frames", index, "txt");
-        if (access(path, F_OK) == 0) {
+        if (access(asdic_frame_path(parts[p], "frames", index, "txt").text, F_OK) == 0) {
             *out = parts[p];
             return ASDIC_OK;
         }
@@ -344,14 +338,11 @@ static asdic_status find_part(asdic_context *ctx, const char *const *parts, size
 /* Frame INDEX, its record last. */
 static asdic_status copy_frame(asdic_context *ctx, const char *part, const char *out,
                                size_t index) {
-    char from[4096], to[4096];
     for (size_t i = ASDIC_FRAME_FOLDERS; i-- > 0;) {
-        if (asdic_frame_folders[i].extension) {
-            asdic_frame_path(from, part, asdic_frame_folders[i].name, index,
-                             asdic_frame_folders[i].extension);
-            asdic_frame_path(to, out, asdic_frame_folders[i].name, index,
-                             asdic_frame_folders[i].extension);
-            TRY(copy(ctx, from, to));
+        const asdic_frame_folder *sub = &asdic_frame_folders[i];
+        if (sub->extension) {
+            TRY(copy(ctx, asdic_frame_path(part, sub->name, index, sub->extension).text,
+                     asdic_frame_path(out, sub->name, index, sub->extension).text));
         }
     }
     return ASDIC_OK;
@@ -377,10 +368,9 @@ static asdic_status check_parts(asdic_context *ctx, const char *const *parts, si
 static asdic_status merge(asdic_context *ctx, const char *const *parts, size_t count,
                           asdic_dataset_options *o, const char *set, DIR **lock) {
     for (size_t p = 1; p < count; p++) {
-        char path[4096], *other = NULL;
+        char *other = NULL;
         size_t length = 0;
-        snprintf(path, sizeof path, "%s/dataset.json", parts[p]);
-        TRY(asdic_file_read(ctx, path, ASDIC_FRAME_MOST_BYTES, &other, &length));
+        TRY(read_set(ctx, parts[p], &other, &length));
         bool same = strcmp(other, set) == 0;
         free(other);
         if (!same) {
@@ -409,13 +399,12 @@ asdic_status asdic_dataset_merge(asdic_context *ctx, const char *const *parts, s
     if (!parts || count == 0 || !out_folder) {
         return asdic_fail_null(ctx, __func__);
     }
-    char path[4096], *set = NULL;
+    char *set = NULL;
     size_t length = 0;
     asdic_dataset_options o = asdic_dataset_options_default();
     o.folder = out_folder;
     o.force = force;
-    snprintf(path, sizeof path, "%s/dataset.json", parts[0]);
-    TRY(asdic_file_read(ctx, path, ASDIC_FRAME_MOST_BYTES, &set, &length));
+    TRY(read_set(ctx, parts[0], &set, &length));
     DIR *lock = NULL;
     asdic_status status = merge(ctx, parts, count, &o, set, &lock);
     if (lock) {

@@ -27,9 +27,11 @@ const asdic_frame_folder asdic_frame_folders[ASDIC_FRAME_FOLDERS] = {
     {"bearing/images16", "png"}, {"bearing/masks", "png"},  {"bearing/labels", "txt"},
 };
 
-void asdic_frame_path(char path[4096], const char *folder, const char *sub, size_t index,
-                      const char *extension) {
-    snprintf(path, 4096, "%s/%s/%06zu.%s", folder, sub, index, extension);
+asdic_file_name asdic_frame_path(const char *folder, const char *sub, size_t index,
+                                 const char *extension) {
+    asdic_file_name out;
+    snprintf(out.text, sizeof out.text, "%s/%s/%06zu.%s", folder, sub, index, extension);
+    return out;
 }
 
 /* --- where bins lie --------------------------------------------------------------------------- */
@@ -98,9 +100,8 @@ static asdic_status write_png(asdic_context *ctx, const char *path, const asdic_
 
 static asdic_status write_levels(asdic_context *ctx, const asdic_labelled *f,
                                  const float *levels_db) {
-    char path[4096], header[ASDIC_NPY_HEADER_SIZE], rest[32];
+    char header[ASDIC_NPY_HEADER_SIZE], rest[32];
     size_t cells = f->ping->beams * f->ping->bins;
-    asdic_frame_path(path, f->folder, "levels", f->index, "npy");
     snprintf(rest, sizeof rest, "%zu", f->ping->bins);
     size_t length = asdic_npy_header(header, "'<f4'", f->ping->beams, rest);
     char *whole = malloc(length + cells * sizeof *levels_db);
@@ -110,7 +111,8 @@ static asdic_status write_levels(asdic_context *ctx, const asdic_labelled *f,
     memcpy(whole, header, length);
     memcpy(whole + length, levels_db, cells * sizeof *levels_db);
     asdic_status status =
-        asdic_file_write_soon(ctx, path, whole, length + cells * sizeof *levels_db);
+        asdic_file_write_soon(ctx, asdic_frame_path(f->folder, "levels", f->index, "npy").text,
+                              whole, length + cells * sizeof *levels_db);
     free(whole);
     return status;
 }
@@ -150,18 +152,24 @@ static void to_bytes(const uint16_t *pixels, size_t count, bool greys, uint8_t *
     }
 }
 
-static asdic_status write_grey(asdic_context *ctx, const asdic_labelled *f, const char *sub,
-                               const asdic_frame_map *map, unsigned bits, const void *values) {
-    char path[4096];
+/* The file of KIND of a frame's FORM. */
+static asdic_file_name path_of(const asdic_labelled *f, asdic_view_form form, const char *kind,
+                               const char *extension) {
+    char sub[32];
+    snprintf(sub, sizeof sub, "%s/%s", asdic_form_names[form], kind);
+    return asdic_frame_path(f->folder, sub, f->index, extension);
+}
+
+static asdic_status write_grey(asdic_context *ctx, const asdic_labelled *f, asdic_view_form form,
+                               const char *kind, unsigned bits, const void *values) {
+    const asdic_frame_map *map = &f->maps[form];
     const asdic_grey image = {map->width, map->height, bits, values};
-    asdic_frame_path(path, f->folder, sub, f->index, "png");
-    return write_png(ctx, path, &image);
+    return write_png(ctx, path_of(f, form, kind, "png").text, &image);
 }
 
 /* Boxes and polygons of MASK, COCO's to RECORD and YOLO's to a file. */
 static asdic_status write_labels(asdic_context *ctx, const asdic_labelled *f, asdic_view_form form,
                                  const asdic_mask *mask, uint8_t *seen, asdic_text *record) {
-    char path[4096], sub[32];
     asdic_text yolo = {0};
     asdic_box *boxes = calloc(f->class_count + 1, sizeof *boxes);
     if (!boxes) {
@@ -181,18 +189,16 @@ static asdic_status write_labels(asdic_context *ctx, const asdic_labelled *f, as
         asdic_text_format(record,
                           "%c\"image_id\":%zu,\"category_id\":%zu,\"iscrowd\":0,\"area\":%zu,"
                           "\"bbox\":[%zu,%zu,%zu,%zu],\"segmentation\":[",
-                          "PB"[form], f -> index, i, b -> pixels, b -> left, b -> top,
-                          b -> right - b -> left, b -> bottom - b -> top);
+                          form == ASDIC_FORM_POLAR ? 'P' : 'B', f->index, i, b->pixels, b->left,
+                          b->top, b->right - b->left, b->bottom - b->top);
         asdic_mask_polygons(mask, b, (uint16_t)i, seen, record);
         asdic_text_add(record, "]}\n");
     }
     free(boxes);
-    snprintf(sub, sizeof sub, "%s/labels", asdic_form_names[form]);
-    asdic_frame_path(path, f->folder, sub, f->index, "txt");
-    asdic_status status =
-        yolo.failed || record->failed
-            ? asdic_fail_memory(ctx, "labels")
-            : asdic_file_write_soon(ctx, path, yolo.length ? yolo.data : "", yolo.length);
+    asdic_status status = yolo.failed || record->failed
+                              ? asdic_fail_memory(ctx, "labels")
+                              : asdic_file_write_soon(ctx, path_of(f, form, "labels", "txt").text,
+                                                      yolo.length ? yolo.data : "", yolo.length);
     asdic_text_finish(&yolo);
     return status;
 }
@@ -202,19 +208,14 @@ static asdic_status write_form(asdic_context *ctx, const asdic_labelled *f, asdi
     const asdic_frame_map *map = &f->maps[form];
     size_t count = map->width * map->height;
     uint8_t *bytes = (uint8_t *)(pixels + count);
-    char sub[3][32];
-    static const char *const kinds[3] = {"images", "images16", "masks"};
-    for (int k = 0; k < 3; k++) {
-        snprintf(sub[k], sizeof sub[k], "%s/%s", asdic_form_names[form], kinds[k]);
-    }
     lay_out(map, s->grey, pixels);
     to_bytes(pixels, count, true, bytes);
-    TRY(write_grey(ctx, f, sub[0], map, 8, bytes));
-    TRY(write_grey(ctx, f, sub[1], map, 16, pixels));
+    TRY(write_grey(ctx, f, form, "images", 8, bytes));
+    TRY(write_grey(ctx, f, form, "images16", 16, pixels));
     lay_out(map, s->number, pixels);
     to_bytes(pixels, count, false, bytes);
     bool small = f->class_count < 256;
-    TRY(write_grey(ctx, f, sub[2], map, small ? 8 : 16, small ? (void *)bytes : (void *)pixels));
+    TRY(write_grey(ctx, f, form, "masks", small ? 8 : 16, small ? (void *)bytes : (void *)pixels));
     const asdic_mask mask = {map->width, map->height, pixels};
     return write_labels(ctx, f, form, &mask, s->seen, record);
 }
@@ -223,15 +224,14 @@ static asdic_status write_form(asdic_context *ctx, const asdic_labelled *f, asdi
  * for: after a power cut a record may be there, and what was written before it not. */
 static asdic_status add_sizes(asdic_context *ctx, const char *folder, size_t index, size_t rest,
                               asdic_text *record) {
-    char path[4096];
     struct stat st;
     asdic_text_add(record, "S");
     for (size_t i = 1; i < ASDIC_FRAME_FOLDERS; i++) {
         const asdic_frame_folder *sub = &asdic_frame_folders[i];
         if (sub->extension) {
-            asdic_frame_path(path, folder, sub->name, index, sub->extension);
-            if (access(path, R_OK) != 0 || stat(path, &st) != 0) {
-                return asdic_fail(ctx, ASDIC_ERROR_INPUT, "%s: cannot open: %s", path,
+            const asdic_file_name path = asdic_frame_path(folder, sub->name, index, sub->extension);
+            if (access(path.text, R_OK) != 0 || stat(path.text, &st) != 0) {
+                return asdic_fail(ctx, ASDIC_ERROR_INPUT, "%s: cannot open: %s", path.text,
                                   strerror(errno));
             }
             asdic_text_format(record, "%lld ", (long long)st.st_size);
@@ -243,25 +243,24 @@ static asdic_status add_sizes(asdic_context *ctx, const char *folder, size_t ind
 
 static asdic_status write_record(asdic_context *ctx, const asdic_labelled *f,
                                  const asdic_text *facts) {
-    char path[4096];
     asdic_text record = {.failed = facts->failed};
     asdic_status status = add_sizes(ctx, f->folder, f->index, facts->length, &record);
     asdic_text_add_bytes(&record, facts->data, facts->length);
-    asdic_frame_path(path, f->folder, "frames", f->index, "txt");
+    const asdic_file_name path = asdic_frame_path(f->folder, "frames", f->index, "txt");
     status = status          ? status
              : record.failed ? asdic_fail_memory(ctx, "a frame's record")
-                             : asdic_file_write_soon(ctx, path, record.data, record.length);
+                             : asdic_file_write_soon(ctx, path.text, record.data, record.length);
     asdic_text_finish(&record);
     return status;
 }
 
 /* Records of older sets have no line of sizes. */
 asdic_status asdic_frame_check(asdic_context *ctx, const char *folder, size_t index) {
-    char path[4096], *text = NULL;
+    char *text = NULL;
     size_t length = 0;
     asdic_text sizes = {0};
-    asdic_frame_path(path, folder, "frames", index, "txt");
-    TRY(asdic_file_read(ctx, path, ASDIC_FRAME_MOST_BYTES, &text, &length));
+    TRY(asdic_file_read(ctx, asdic_frame_path(folder, "frames", index, "txt").text,
+                        ASDIC_FRAME_MOST_BYTES, &text, &length));
     const char *end = strchr(text, '\n');
     size_t first = end ? (size_t)(end - text) + 1 : 0;
     asdic_status status = add_sizes(ctx, folder, index, length - first, &sizes);

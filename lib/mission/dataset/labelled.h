@@ -4,6 +4,8 @@
 #ifndef ASDIC_MISSION_DATASET_LABELLED_H
 #define ASDIC_MISSION_DATASET_LABELLED_H
 
+#include "base/file_name.h"
+
 #include <asdic/dataset.h>
 
 /* The two forms of a picture. */
@@ -54,7 +56,7 @@ asdic_status asdic_frame_write(asdic_context *ctx, const asdic_labelled *frame);
 asdic_status asdic_frame_check(asdic_context *ctx, const char *folder, size_t index);
 
 /* "FOLDER/SUB/NUMBER.EXTENSION" */
-void asdic_frame_path(char path[4096], const char *folder, const char *sub, size_t index,
-                      const char *extension);
+asdic_file_name asdic_frame_path(const char *folder, const char *sub, size_t index,
+                                 const char *extension);
 
 #endif
