@@ -150,12 +150,8 @@ static asdic_status measure_point(const bench *b, const bench_scene *s, asdic_sa
     asdic_ping *pings[ASDIC_LEARN_BLOCK] = {NULL};
     bool room = t.ping_s && t.learn_s && t.ratios && t.ratio_squares;
     asdic_status status = room ? create_pings(b, s, in_block, pings) : ASDIC_ERROR_MEMORY;
-    if (!status) {
-        status = bench_scene_simulator(b, s, &sampling, &sim, &pings[0]);
-    }
-    if (!status) {
-        status = shoot(b, sim, s, blocks, in_block, pings, &t);
-    }
+    status = status ? status : bench_scene_simulator(b, s, &sampling, &sim, &pings[0]);
+    status = status ? status : shoot(b, sim, s, blocks, in_block, pings, &t);
     if (!status) {
         finish_point(&t, s, point);
     }

@@ -75,9 +75,7 @@ static asdic_status measure_seed(bench *b, const bench_scene *s, uint64_t seed, 
     sampling.sampler = ASDIC_SAMPLER_ADAPTIVE;
     sampling.seed += seed;
     asdic_status status = bench_scene_simulator(b, s, &sampling, &sim, &ping);
-    if (!status) {
-        status = shoot(b, s, sim, ping, t);
-    }
+    status = status ? status : shoot(b, s, sim, ping, t);
     asdic_simulator_destroy(&sim);
     asdic_ping_destroy(&ping);
     return status;

@@ -108,9 +108,7 @@ static asdic_status measure_scene(bench *b, const char *path, asdic_mission *mis
     size_t bins = asdic_loop_bin_count(loop);
     asdic_status status = measure(b, loop, mission, &f);
     asdic_loop_destroy(&loop);
-    if (!status) {
-        status = look(b, mission, &f);
-    }
+    status = status ? status : look(b, mission, &f);
     if (!status) {
         char name[ASDIC_NAME_SIZE];
         asdic_scene_info info = asdic_scene_get_info(asdic_mission_scene(mission));
@@ -141,9 +139,7 @@ asdic_status bench_loop(bench *b) {
         const char *path = bench_scene_path(b, i, buffer, sizeof buffer);
         asdic_mission *mission = NULL;
         status = asdic_mission_load(cli_context(b->c), path, &mission);
-        if (!status) {
-            status = measure_scene(b, path, mission);
-        }
+        status = status ? status : measure_scene(b, path, mission);
         asdic_mission_destroy(&mission);
     }
     return status;

@@ -152,9 +152,7 @@ asdic_status bench_pings_measure(const bench *b, asdic_device *device, const ben
                         .units = asdic_device_get_info(device)->compute_units,
                         .create_s = cli_clock_s() - began};
     asdic_status status = asdic_ping_create(cli_context(b->c), out->beams, out->bins, &ping);
-    if (!status) {
-        status = shoot(b, &r, of->pings, sim, ping, out);
-    }
+    status = status ? status : shoot(b, &r, of->pings, sim, ping, out);
     asdic_ping_destroy(&ping);
     asdic_simulator_destroy(&sim);
     return status;
@@ -184,9 +182,7 @@ static asdic_status measure_missions(bench *b) {
         bench_name(path, name, sizeof name);
         status = asdic_mission_load(cli_context(b->c), path, &mission);
         bench_case of = {.mission = mission, .pings = b->quick ? 8 : MOST_PINGS};
-        if (!status) {
-            status = bench_pings_measure(b, b->device, &of, &rate);
-        }
+        status = status ? status : bench_pings_measure(b, b->device, &of, &rate);
         if (!status) {
             bench_pings_add(b, name, &rate);
         }
@@ -230,9 +226,7 @@ asdic_status bench_pings(bench *b) {
         bench_case of = {.scene = scene,
                          .bins = bench_bin_counts[i % BENCH_BIN_COUNTS],
                          .pings = b->quick ? 8 : MOST_PINGS};
-        if (!status) {
-            status = bench_pings_measure(b, b->device, &of, &rates[i]);
-        }
+        status = status ? status : bench_pings_measure(b, b->device, &of, &rates[i]);
         if (!status) {
             bench_pings_add(b, "floor", &rates[i]);
         }

@@ -52,9 +52,7 @@ asdic_status bench_ray_scene_load(const bench *b, const char *path, bench_ray_sc
     const char *slash = strrchr(path, '/');
     snprintf(out->name, sizeof out->name, "%.63s", slash ? slash + 1 : path);
     asdic_status status = asdic_mesh_load(cli_context(b->c), path, 1.0, false, &mesh);
-    if (!status) {
-        status = bench_ray_scene_commit(b, mesh, &out->scene);
-    }
+    status = status ? status : bench_ray_scene_commit(b, mesh, &out->scene);
     if (!status) {
         asdic_mesh_info info = asdic_mesh_get_info(mesh);
         asdic_vec3 size = {info.max_m.x - info.min_m.x, info.max_m.y - info.min_m.y,
@@ -150,9 +148,7 @@ asdic_status bench_rays(bench *b) {
         bench_ray_scene scene = {.scene = NULL};
         status = named ? bench_ray_scene_load(b, cli_operand(b->c, i + 1), &scene)
                        : bench_ray_scene_terrain(b, &scene);
-        if (!status) {
-            status = measure_sets(b, &scene, rays, hits);
-        }
+        status = status ? status : measure_sets(b, &scene, rays, hits);
         asdic_scene_destroy(&scene.scene);
     }
     free(rays);

@@ -81,9 +81,7 @@ static asdic_status take_mean(const bench *b, const bench_effort *effort, bench_
     asdic_status status = squares && s->spread_lin
                               ? bench_scene_simulator(b, s, &sampling, &sim, &ping)
                               : ASDIC_ERROR_MEMORY;
-    if (!status) {
-        status = add_pings(b, effort, s, squares, sim, ping);
-    }
+    status = status ? status : add_pings(b, effort, s, squares, sim, ping);
     if (!status) {
         s->spread_db = finish_mean(s, squares, effort->reference_pings);
         s->reference_rays = (double)effort->reference_pings * effort->reference_rays;

@@ -61,9 +61,7 @@ asdic_status bench_terrain(asdic_context *ctx, size_t triangles, unsigned thread
         status =
             asdic_mesh_from_triangles(ctx, vertices, points, indices, 2 * cells * cells, &mesh);
     }
-    if (!status) {
-        status = make_scene(mesh, threads, *out);
-    }
+    status = status ? status : make_scene(mesh, threads, *out);
     if (status) {
         asdic_scene_destroy(out);
     }

@@ -57,9 +57,7 @@ static int write_track(cli *c) {
     }
     asdic_mission *mission = NULL;
     asdic_status status = asdic_mission_load(cli_context(c), cli_operand(c, 0), &mission);
-    if (status == ASDIC_OK) {
-        status = asdic_mission_write_track(cli_context(c), mission, path);
-    }
+    status = status ? status : asdic_mission_write_track(cli_context(c), mission, path);
     asdic_mission_destroy(&mission);
     return cli_end(c, status);
 }

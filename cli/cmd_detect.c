@@ -314,9 +314,7 @@ static asdic_status simulate(cli *c, const char *scene, const char *folder) {
     asdic_run_options options = asdic_run_options_default();
     cli_progress progress = cli_progress_begin(c);
     asdic_status status = asdic_mission_load(cli_context(c), scene, &mission);
-    if (status == ASDIC_OK) {
-        status = cli_open_devices(c, &devices, &count);
-    }
+    status = status ? status : cli_open_devices(c, &devices, &count);
     if (status == ASDIC_OK) {
         options.folder = folder;
         options.force = cli_given(c, "force");
@@ -355,9 +353,7 @@ static int run(cli *c) {
     char *own = cli_given(c, "output") ? NULL : default_folder(operand);
     const char *folder = own ? own : cli_text(c, "output");
     asdic_status status = folder ? simulate(c, operand, folder) : ASDIC_ERROR_MEMORY;
-    if (status == ASDIC_OK) {
-        status = detect(c, folder, &r);
-    }
+    status = status ? status : detect(c, folder, &r);
     free(own);
     return cli_end(c, status);
 }

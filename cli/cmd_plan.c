@@ -54,15 +54,9 @@ static asdic_status measure(cli *c, asdic_mission *mission, asdic_device *device
         asdic_ping_create(ctx, sonar->receiver_count, asdic_simulator_bin_count(sim), &ping);
     f->first_s = cli_clock_s() - start;
     f->lessons = asdic_mission_lessons(mission, 0, asdic_mission_ping_count(mission));
-    if (!status) {
-        status = shoot(progress, sim, &pose, ping, f);
-    }
-    if (!status) {
-        status = asdic_ping_get_errors(ctx, ping, &f->errors);
-    }
-    if (!status) {
-        status = asdic_mission_time_writing(ctx, mission, ping, &f->write_s);
-    }
+    status = status ? status : shoot(progress, sim, &pose, ping, f);
+    status = status ? status : asdic_ping_get_errors(ctx, ping, &f->errors);
+    status = status ? status : asdic_mission_time_writing(ctx, mission, ping, &f->write_s);
     asdic_ping_destroy(&ping);
     asdic_simulator_destroy(&sim);
     return status;
@@ -242,9 +236,7 @@ static int run(cli *c) {
         asdic_mission_destroy(&mission);
         return CLI_FAILED;
     }
-    if (!status) {
-        status = show(c, mission);
-    }
+    status = status ? status : show(c, mission);
     asdic_mission_destroy(&mission);
     return cli_end(c, status);
 }

@@ -342,9 +342,7 @@ static int run(cli *c) {
         sampling->seed = cli_given(c, "seed") ? seed : sampling->seed;
         status = cli_open_devices(c, &devices, &device_count);
     }
-    if (!status) {
-        status = start(&s, devices[0]);
-    }
+    status = status ? status : start(&s, devices[0]);
     int code = status                 ? cli_end(c, status)
                : cli_given(c, "ros2") ? serve_topics(&s, pose_type == 0)
                                       : serve(&s);

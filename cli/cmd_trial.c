@@ -315,9 +315,7 @@ static asdic_status replay_on(cli *c, request *r, asdic_device **devices, size_t
         scene = NULL;
         status = ASDIC_ERROR_MEMORY;
     }
-    if (!status) {
-        status = asdic_mission_load(cli_context(c), scene, &mission);
-    }
+    status = status ? status : asdic_mission_load(cli_context(c), scene, &mission);
     if (!status) {
         asdic_run_options options = asdic_run_options_default();
         options.folder = r->options.folder;

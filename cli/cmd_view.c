@@ -140,9 +140,7 @@ static int run(cli *c) {
         return CLI_USAGE;
     }
     asdic_status status = cli_load_rays(c, r.rays, &mission);
-    if (!status) {
-        status = cli_open_devices(c, &devices, &count);
-    }
+    status = status ? status : cli_open_devices(c, &devices, &count);
     int code = status ? cli_end(c, status) : view_mission(c, &r, mission, devices[0]);
     asdic_devices_close(&devices, count);
     asdic_mission_destroy(&mission);

@@ -189,9 +189,7 @@ asdic_status asdic_roc_compare(asdic_context *ctx, const asdic_roc *a, const asd
     }
     double *first = NULL, *other = NULL;
     asdic_status status = placements(ctx, a->none, a->present, a->trials, &first);
-    if (status == ASDIC_OK) {
-        status = placements(ctx, b->none, b->present, b->trials, &other);
-    }
+    status = status ? status : placements(ctx, b->none, b->present, b->trials, &other);
     if (status == ASDIC_OK) {
         area = moments(first, a->trials, &variance);
         for (size_t i = 0; i < 2 * a->trials; i++) {

@@ -113,9 +113,7 @@ static asdic_status add_points(asdic_context *ctx, const asdic_roc_case *c,
     for (int i = 0; i <= DECADES * PER_DECADE && status == ASDIC_OK; i++) {
         double pfa = pow(10.0, (double)i / PER_DECADE - DECADES);
         status = asdic_step(ctx, "points", (size_t)i, DECADES * PER_DECADE + 1);
-        if (status == ASDIC_OK) {
-            status = add_point(ctx, c, options, rare, roc, pfa);
-        }
+        status = status ? status : add_point(ctx, c, options, rare, roc, pfa);
     }
     free(rare);
     return status;

@@ -121,9 +121,7 @@ asdic_status asdic_material_read_rows(asdic_context *ctx, asdic_material *materi
                                       const char *path) {
     asdic_problems problems = {.name = path};
     asdic_status status = asdic_material_read_table(ctx, material, path, &problems);
-    if (status == ASDIC_OK) {
-        status = asdic_problems_fail(&problems, ctx);
-    }
+    status = status ? status : asdic_problems_fail(&problems, ctx);
     asdic_problems_finish(&problems);
     return status;
 }

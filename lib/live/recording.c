@@ -95,9 +95,7 @@ asdic_status asdic_recording_begin(asdic_context *ctx, const asdic_mission *miss
     r->mission = mission;
     r->device = device;
     asdic_status status = make_folder(r, parent);
-    if (!status) {
-        status = open_files(r);
-    }
+    status = status ? status : open_files(r);
     if (status) {
         finish(&r);
     }
@@ -208,9 +206,7 @@ asdic_status asdic_recording_end(asdic_recording **recording) {
         remove_empty(r);
     } else {
         status = asdic_file_commit(&r->track);
-        if (!status) {
-            status = write_run(r);
-        }
+        status = status ? status : write_run(r);
     }
     finish(recording);
     return status;

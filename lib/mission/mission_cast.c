@@ -142,10 +142,9 @@ static asdic_status read_cast(cast_reader *r, asdic_yaml_node *named) {
     double *rows = NULL;
     size_t *lines = NULL, count = 0;
     asdic_status status = find_columns(r);
-    if (status == ASDIC_OK) {
-        status =
-            asdic_columns_read(r->b->ctx, r->path, &r->columns, problems, &rows, &lines, &count);
-    }
+    status = status ? status
+                    : asdic_columns_read(r->b->ctx, r->path, &r->columns, problems, &rows, &lines,
+                                         &count);
     if (rows) {
         problems->name = r->path;
         status = take_rows(r, rows, lines, count, named);

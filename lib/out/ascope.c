@@ -243,9 +243,7 @@ asdic_status asdic_draw_ascope(asdic_context *ctx, const char *path, const asdic
                                        .series_count = s.residuals.count};
         count++;
     }
-    if (status == ASDIC_OK) {
-        status = asdic_picture_plot(ctx, path, s.panels, count, options);
-    }
+    status = status ? status : asdic_picture_plot(ctx, path, s.panels, count, options);
     scope_finish(&s);
     return status;
 }

@@ -369,9 +369,7 @@ asdic_status asdic_draw_chart(asdic_context *ctx, const char *path, const asdic_
     page p;
     asdic_chart_page_init(&p, chart, options);
     asdic_status status = asdic_canvas_init(ctx, path, p.width, p.height, PAPER_RGB, &canvas);
-    if (status == ASDIC_OK) {
-        status = draw_map(&canvas, &p, chart, options->colormap);
-    }
+    status = status ? status : draw_map(&canvas, &p, chart, options->colormap);
     if (status != ASDIC_OK) {
         goto done;
     }

@@ -526,9 +526,7 @@ static asdic_status write_netcdf(void *file, const asdic_record *record) {
 static asdic_status commit_netcdf(void **file) {
     netcdf *f = *file;
     asdic_status status = flush(f);
-    if (status == ASDIC_OK) {
-        status = asdic_nc_commit(&f->nc);
-    }
+    status = status ? status : asdic_nc_commit(&f->nc);
     discard_netcdf(file);
     return status;
 }

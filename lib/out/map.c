@@ -81,9 +81,7 @@ asdic_status asdic_picture_map(asdic_context *ctx, const char *path, const asdic
     }
     asdic_raster raster = {0};
     asdic_status status = paint(ctx, map, options, &raster);
-    if (status == ASDIC_OK) {
-        status = asdic_draw_map(ctx, path, &shown, &raster, &noted);
-    }
+    status = status ? status : asdic_draw_map(ctx, path, &shown, &raster, &noted);
     asdic_raster_finish(&raster);
     return status;
 }

@@ -160,9 +160,7 @@ asdic_status asdic_mcap_create(asdic_context *ctx, const char *path, const char 
     m->first_ns = UINT64_MAX;
     snprintf(m->name, sizeof m->name, "%s", name);
     asdic_status status = asdic_file_create(ctx, path, &m->file);
-    if (!status) {
-        status = begin_file(m, facts);
-    }
+    status = status ? status : begin_file(m, facts);
     if (status) {
         asdic_mcap_discard(out);
     }
@@ -405,12 +403,8 @@ asdic_status asdic_mcap_commit(asdic_mcap **mcap) {
         put_channels(m);
     }
     asdic_status status = m->chunk.size ? write_chunk(m) : ASDIC_OK;
-    if (!status) {
-        status = write_summary(m, &offsets);
-    }
-    if (!status) {
-        status = asdic_file_commit(&m->file);
-    }
+    status = status ? status : write_summary(m, &offsets);
+    status = status ? status : asdic_file_commit(&m->file);
     asdic_bytes_finish(&offsets);
     asdic_mcap_discard(mcap);
     return status;

@@ -69,9 +69,7 @@ asdic_status asdic_bvh_build(asdic_context *ctx, const dev_triangle *triangles, 
     }
     asdic_share(threads, count, ASDIC_BVH_SHARE, fill_items, &f);
     status = asdic_bvh_grow(ctx, f.items, count, threads, &tree);
-    if (status == ASDIC_OK) {
-        status = asdic_bvh_pack(ctx, &tree, f.items, triangles, threads, out);
-    }
+    status = status ? status : asdic_bvh_pack(ctx, &tree, f.items, triangles, threads, out);
     if (status == ASDIC_OK) {
         out->extent_m = largest_coordinate(&tree.nodes[0]);
     }

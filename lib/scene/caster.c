@@ -97,9 +97,7 @@ asdic_status asdic_caster_bend(asdic_caster *c, double speed_mps, double gradien
     if (!status) {
         status = asdic_tracer_create(c->device, lifted ? lifted : c->scene, &tracer);
     }
-    if (!status) {
-        status = asdic_tracer_set_kernel(tracer, asdic_tracer_form(c->tracer, NULL));
-    }
+    status = status ? status : asdic_tracer_set_kernel(tracer, asdic_tracer_form(c->tracer, NULL));
     if (status) {
         asdic_tracer_destroy(&tracer);
         asdic_scene_unlift(&lifted);

@@ -293,9 +293,7 @@ asdic_status asdic_mesh_load_grid(asdic_context *ctx, const char *path, bool val
     grid g = {.scan = &scan};
     asdic_mesh *mesh = NULL;
     asdic_status status = asdic_mesh_scan_open(ctx, path, &scan);
-    if (!status) {
-        status = read_grid(&g, values_are_depth, &mesh);
-    }
+    status = status ? status : read_grid(&g, values_are_depth, &mesh);
     if (status) {
         asdic_mesh_destroy(&mesh);
     }

@@ -231,9 +231,8 @@ static asdic_status need_ground(const asdic_scene *scene, const dev_layer *layer
     }
     asdic_status status = begin_pieces(&p, scene, 0, count, layers, layer_count);
     status = status ? status : lift_triangles(&p, 0, count);
-    if (!status) {
-        status = asdic_bvh_build(scene->ctx, p.triangles, NULL, p.count, scene->threads, &bvh);
-    }
+    status = status ? status
+                    : asdic_bvh_build(scene->ctx, p.triangles, NULL, p.count, scene->threads, &bvh);
     dev_layer *kept = status ? NULL : malloc(layer_count * sizeof *kept);
     if (kept) {
         name_parents(&p, &bvh);

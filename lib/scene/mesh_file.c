@@ -133,9 +133,7 @@ asdic_status asdic_mesh_load(asdic_context *ctx, const char *path, double scale,
     asdic_polygons polygons = {0};
     asdic_mesh *mesh = NULL;
     asdic_status status = asdic_mesh_scan_file(ctx, path, &scan);
-    if (!status) {
-        status = read_mesh(&scan, &polygons, scale, z_up, &mesh);
-    }
+    status = status ? status : read_mesh(&scan, &polygons, scale, z_up, &mesh);
     if (status) {
         asdic_mesh_destroy(&mesh);
     }

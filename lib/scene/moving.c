@@ -255,9 +255,7 @@ static asdic_status assemble_with_movables(asdic_scene *scene, uint32_t *ids) {
     asdic_status status = parts && roots
                               ? build_parts(scene, ids, parts)
                               : asdic_fail_memory(scene->ctx, "a scene with moving parts");
-    if (!status) {
-        status = join_all(scene, parts, roots);
-    }
+    status = status ? status : join_all(scene, parts, roots);
     for (size_t i = 0; parts && i < count; i++) {
         asdic_bvh_finish(&parts[i]);
     }

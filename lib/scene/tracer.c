@@ -106,9 +106,7 @@ asdic_status asdic_tracer_create(asdic_device *device, const asdic_scene *scene,
     t->form = FORM_AUTO;
     snprintf(t->options, sizeof t->options, "-D TRACE_STACK=%u", stack_entries(&scene->bvh));
     asdic_status status = upload(t, scene);
-    if (!status) {
-        status = need_kernel(t, plain_form(t));
-    }
+    status = status ? status : need_kernel(t, plain_form(t));
     if (status) {
         asdic_tracer_destroy(&t);
     }

@@ -71,9 +71,9 @@ asdic_status asdic_law_strength_db(asdic_context *ctx, asdic_device *device,
     }
     asdic_law_words tables = {0};
     asdic_status status = asdic_law_tables_add(ctx, &s, &tables);
-    if (!status) {
-        status = asdic_law_table_read(device, &tables, s.device.strength, 1, &grazing_rad, 1, &lin);
-    }
+    status =
+        status ? status
+               : asdic_law_table_read(device, &tables, s.device.strength, 1, &grazing_rad, 1, &lin);
     *out = 10.0 * log10(lin);
     free(tables.words);
     return status;
@@ -99,9 +99,8 @@ asdic_status asdic_law_loss_db(asdic_context *ctx, asdic_device *device,
         for (int i = 0; !status && i < 2; i++) { /* none lies at word 0 */
             status = asdic_law_table_add(ctx, smooth, &s, NULL, 0, &tables, &at);
         }
-        if (!status) {
-            status = asdic_law_table_read(device, &tables, at, 1, &grazing_rad, 1, &lin);
-        }
+        status =
+            status ? status : asdic_law_table_read(device, &tables, at, 1, &grazing_rad, 1, &lin);
         free(tables.words);
     }
     *out = -10.0 * log10(lin);

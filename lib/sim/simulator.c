@@ -196,10 +196,9 @@ static asdic_status upload_materials(asdic_simulator *sim) {
     asdic_law_words words = {0};
     asdic_status status = asdic_law_tables(sim->ctx, sim->setup.scatterers,
                                            sim->setup.scene->material_count + 1, &words);
-    if (!status) {
-        status = asdic_buffer_create(sim->device, words.count * sizeof *words.words, words.words,
-                                     &sim->buffers.materials);
-    }
+    status = status ? status
+                    : asdic_buffer_create(sim->device, words.count * sizeof *words.words,
+                                          words.words, &sim->buffers.materials);
     free(words.words);
     return status;
 }

@@ -62,9 +62,7 @@ static asdic_status write_parts(asdic_context *ctx, asdic_trial **parts, size_t 
     asdic_status status = rows.failed || header.failed
                               ? asdic_fail_memory(ctx, "a trial")
                               : asdic_trial_begin(ctx, folder, &whole, &header, &rows, false, &out);
-    if (!status) {
-        status = asdic_trial_end(ctx, folder, &out);
-    }
+    status = status ? status : asdic_trial_end(ctx, folder, &out);
     asdic_text_finish(&rows);
     asdic_text_finish(&header);
     return status ? status : asdic_trial_settle(ctx, folder);
@@ -93,9 +91,7 @@ asdic_status asdic_trial_merge(asdic_context *ctx, const char *const *folders, s
         qsort(parts, folder_count, sizeof *parts, by_first);
         status = check_parts(ctx, parts, folder_count);
     }
-    if (!status) {
-        status = write_parts(ctx, parts, folder_count, folder);
-    }
+    status = status ? status : write_parts(ctx, parts, folder_count, folder);
     for (size_t i = 0; parts && i < folder_count; i++) {
         asdic_trial_close(&parts[i]);
     }

@@ -237,12 +237,8 @@ static asdic_status simulate(asdic_backdrop *b) {
               is_empty ? " without its objects" : " by intensities", b->rays);
     asdic_status status = (is_empty ? asdic_mission_load_empty
                                     : asdic_mission_load)(ctx, b->run->facts.scene_path, &mission);
-    if (status == ASDIC_OK) {
-        status = asdic_devices_open(ctx, b->options->device, &devices, &count);
-    }
-    if (status == ASDIC_OK) {
-        status = simulate_on(b, mission, devices, count);
-    }
+    status = status ? status : asdic_devices_open(ctx, b->options->device, &devices, &count);
+    status = status ? status : simulate_on(b, mission, devices, count);
     asdic_file_discard(&b->part);
     asdic_devices_close(&devices, count);
     asdic_mission_destroy(&mission);

@@ -74,9 +74,7 @@ static asdic_status write_table(asdic_context *ctx, const char *path, const char
     fputs(header, asdic_file_stream(file));
     asdic_status status = print_all(ctx, asdic_file_stream(file), print, names, rocs, count);
     asdic_c_locale_leave(before);
-    if (!status) {
-        status = asdic_file_commit(&file);
-    }
+    status = status ? status : asdic_file_commit(&file);
     asdic_file_discard(&file);
     return status;
 }

@@ -206,9 +206,7 @@ asdic_status asdic_render_chart(asdic_render *r) {
                            .plane_depth_m = is_plane ? summary->bottom_depth_m : INFINITY};
     asdic_chart_data_cut(&data, summary->statistics.first_time_s, summary->statistics.last_time_s);
     asdic_status status = add_areas(r, &ground, &s);
-    if (!status) {
-        status = draw(r, &data, &ground, &s);
-    }
+    status = status ? status : draw(r, &data, &ground, &s);
     sketch_finish(&s);
     asdic_chart_data_finish(&data);
     return status;

@@ -267,9 +267,8 @@ static asdic_status time_in(asdic_context *ctx, const asdic_mission *m, const as
         double depth_m = asdic_mission_pose(m, 0, NULL).position_m.z;
         status = asdic_files_create(ctx, folder, &m->settings, &facts, depth_m, &files);
     }
-    if (!status) {
-        status = time_files(store, files, ping->beams, ping->bins, ping, bytes, seconds);
-    }
+    status =
+        status ? status : time_files(store, files, ping->beams, ping->bins, ping, bytes, seconds);
     asdic_files_destroy(&files);
     asdic_store_close(&store);
     free(bytes);

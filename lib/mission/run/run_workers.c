@@ -101,9 +101,7 @@ static void *run_worker(void *argument) {
     pthread_mutex_lock(&q->lock);
     asdic_queue_note_ready(q);
     pthread_mutex_unlock(&q->lock);
-    if (status == ASDIC_OK) {
-        status = work_through(q, w);
-    }
+    status = status ? status : work_through(q, w);
     retire(q, w, status);
     asdic_run_device_close(&w->device);
     return NULL;

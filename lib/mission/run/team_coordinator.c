@@ -242,9 +242,7 @@ static void *run_coordinator(void *argument) {
     while (status == ASDIC_OK && wait_for_change(c->queue, is_busy)) {
         is_busy = false;
         status = take_message(c, &is_busy);
-        if (status == ASDIC_OK) {
-            status = order_more(c, &is_busy);
-        }
+        status = status ? status : order_more(c, &is_busy);
     }
     /* Stopped, interrupted or cut off: nothing more comes from the other processes. */
     char why[ASDIC_MESSAGE_TEXT];
