@@ -150,10 +150,8 @@ static asdic_status wind_up(asdic_run_job *job, asdic_status status) {
     }
     if (status != ASDIC_ERROR_INTERRUPTED && asdic_job_stored(job) == 0) {
         /* No device did anything: there is nothing to keep. */
-        char why[768];
-        snprintf(why, sizeof why, "%s", asdic_context_error(job->ctx));
-        asdic_folder_remove(job->ctx, job->options->folder);
-        return asdic_fail(job->ctx, status, "%s", why);
+        asdic_folder_remove(job->options->folder);
+        return status;
     }
     status = explain(job, status);
     if (status == ASDIC_ERROR_IO) {

@@ -5,7 +5,6 @@
 #include "mission/scene_inputs.h"
 #include "out/format.h"
 
-#include <ctype.h>
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -275,22 +274,8 @@ asdic_status asdic_folder_pictures(asdic_context *ctx, const char *folder, asdic
     return status;
 }
 
-void asdic_folder_remove(asdic_context *ctx, const char *folder) {
-    if (clear(ctx, folder) == ASDIC_OK) {
+void asdic_folder_remove(const char *folder) {
+    if (clear(NULL, folder) == ASDIC_OK) {
         rmdir(folder); /* fails, as it should, when there is something else */
     }
-}
-
-char *asdic_folder_path(const char *folder, const char *stem, const char *name,
-                        const char *extension) {
-    char *path = NULL;
-    if (asprintf(&path, "%s/%s%s.%s", folder, stem, name, extension) < 0) {
-        return NULL;
-    }
-    /* A beam's name may hold any character: those that are not plain become underscores. */
-    for (char *c = path + strlen(folder) + 1 + strlen(stem); *c; c++) {
-        bool is_plain = isalnum((unsigned char)*c) || strchr("._-", *c) || (*c & 0x80);
-        *c = is_plain ? *c : '_';
-    }
-    return path;
 }

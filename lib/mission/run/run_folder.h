@@ -36,12 +36,8 @@ asdic_status asdic_folder_spare(asdic_context *ctx, const char *folder, const ch
 asdic_status asdic_folder_pictures(asdic_context *ctx, const char *folder, asdic_arena *arena,
                                    const char ***names, size_t *count);
 
-/* Removes a run that holds nothing, and the folder when it is empty then. */
-void asdic_folder_remove(asdic_context *ctx, const char *folder);
-
-/* "FOLDER/STEMNAME.EXTENSION" with NAME made fit for a file; freed with free(), NULL when memory
- * is short. */
-char *asdic_folder_path(const char *folder, const char *stem, const char *name,
-                        const char *extension);
+/* Removes a run that holds nothing, and the folder when it is empty then. Says nothing: the last
+ * error stays. */
+void asdic_folder_remove(const char *folder);
 
 #endif

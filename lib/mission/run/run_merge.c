@@ -279,10 +279,8 @@ static asdic_status join(merger *m, const char *const *folders, bool force) {
     TRY(asdic_folder_prepare(m->ctx, m->folder, force, false));
     asdic_status status = write_run(m);
     if (status != ASDIC_OK) { /* the parts have it all: half of it is no use */
-        char why[768];
-        snprintf(why, sizeof why, "%s", asdic_context_error(m->ctx));
-        asdic_folder_remove(m->ctx, m->folder);
-        return asdic_fail(m->ctx, status, "%s", why);
+        asdic_folder_remove(m->folder);
+        return status;
     }
     return conclude(m);
 }

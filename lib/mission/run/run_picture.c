@@ -5,6 +5,7 @@
 #include "run_facts.h"
 #include "run_folder.h"
 
+#include <ctype.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -107,15 +108,25 @@ asdic_picture_options asdic_render_picture(asdic_render *r, const char *title, c
                                    .format = r->options.format};
 }
 
-char *asdic_render_path(const asdic_render *r, const char *stem, const char *name) {
+asdic_file_name asdic_render_path(const asdic_render *r, const char *stem, const char *name) {
     static const char *const extensions[] = {[ASDIC_PICTURE_BY_NAME] = "png",
                                              [ASDIC_PICTURE_PNG] = "png",
                                              [ASDIC_PICTURE_PDF] = "pdf",
                                              [ASDIC_PICTURE_SVG] = "svg"};
-    if (r->options.path) {
-        return strdup(strcmp(r->options.path, "-") == 0 ? "/dev/stdout" : r->options.path);
+    const char *chosen = r->options.path;
+    if (chosen) {
+        asdic_file_name out;
+        snprintf(out.text, sizeof out.text, "%s", strcmp(chosen, "-") ? chosen : "/dev/stdout");
+        return out;
     }
+    char own[ASDIC_NAME_SIZE + 32];
     bool is_raw = strcmp(stem, "raw_") == 0;
-    return asdic_folder_path(r->run->folder, stem, name,
-                             is_raw ? "png" : extensions[r->options.format]);
+    snprintf(own, sizeof own, "%s%s.%s", stem, name,
+             is_raw ? "png" : extensions[r->options.format]);
+    /* A beam's name may hold any character: those that are not plain become underscores. */
+    for (char *c = own + strlen(stem); *c; c++) {
+        bool is_plain = isalnum((unsigned char)*c) || strchr("._-", *c) || (*c & 0x80);
+        *c = is_plain ? *c : '_';
+    }
+    return asdic_file_in(r->run->folder, own);
 }

@@ -4,6 +4,7 @@
 #ifndef ASDIC_MISSION_RUN_PICTURE_H
 #define ASDIC_MISSION_RUN_PICTURE_H
 
+#include "base/file_name.h"
 #include "run_open.h"
 #include "run_summary.h"
 #include "sim/ring_shelf.h"
@@ -45,8 +46,8 @@ void asdic_render_note_ascope(const asdic_render *render, bool has_expected,
 asdic_picture_options asdic_render_picture(asdic_render *render, const char *title, const char *key,
                                            const char *value);
 
-/* The path of the picture STEM NAME; freed with free(). */
-char *asdic_render_path(const asdic_render *render, const char *stem, const char *name);
+/* The path of the picture STEM NAME. */
+asdic_file_name asdic_render_path(const asdic_render *render, const char *stem, const char *name);
 
 /* Whether there is a fan picture: of beams that make a fan (out/raster.h), of those in an upright plane
  * (run_section.h), or of a head that scans. */

@@ -189,11 +189,7 @@ static asdic_status draw(asdic_render *r, const asdic_chart_data *data, const as
              "areas: half-power lobes on the bottom at %s%s  \u00b7  %s  \u00b7  %s", s->places,
              is_dashed ? "  \u00b7  dashed: none within range" : "", bottom, options.note);
     options.note = note;
-    char *path = asdic_render_path(r, "plan", "");
-    asdic_status status = path ? asdic_draw_chart(r->ctx, path, &chart, &options)
-                               : asdic_fail_memory(r->ctx, "a file name");
-    free(path);
-    return status;
+    return asdic_draw_chart(r->ctx, asdic_render_path(r, "plan", "").text, &chart, &options);
 }
 
 asdic_status asdic_render_chart(asdic_render *r) {

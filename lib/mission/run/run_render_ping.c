@@ -145,7 +145,7 @@ asdic_status asdic_render_scale_ascopes(asdic_render *r, const asdic_record *rec
 /* An A-scope shows levels without a gain, in a window of their own. */
 asdic_status asdic_render_ascope(asdic_render *whole, const asdic_record *record) {
     scope s;
-    char title[256], note[ASDIC_ASCOPE_NOTE_SIZE], number[ASDIC_DIGITS_SIZE], *path = NULL;
+    char title[256], note[ASDIC_ASCOPE_NOTE_SIZE], number[ASDIC_DIGITS_SIZE];
     asdic_status status = find_panels(whole, record, &s);
     asdic_render own = *whole, *r = &own;
     size_t count = s.count;
@@ -166,12 +166,10 @@ asdic_status asdic_render_ascope(asdic_render *whole, const asdic_record *record
     asdic_picture_options options = asdic_render_picture(r, title, "ping", number);
     asdic_render_note_ascope(r, s.expected.ping != NULL, note);
     options.note = note;
-    path = asdic_render_path(r, "ascope_", number);
-    status = path ? asdic_draw_ascope(r->ctx, path, s.panels, count, r->residual_db, &options)
-                  : asdic_fail_memory(r->ctx, "a file name");
+    status = asdic_draw_ascope(r->ctx, asdic_render_path(r, "ascope_", number).text, s.panels,
+                               count, r->residual_db, &options);
 done:
     expectation_finish(&s.expected);
-    free(path);
     return status;
 }
 
@@ -180,7 +178,6 @@ static asdic_status draw_fan(asdic_render *r, const asdic_record *record, const 
                              const asdic_fan *fan, const char *side) {
     char number[ASDIC_DIGITS_SIZE];
     asdic_digits_natural(number, record->ping);
-    char *path = asdic_render_path(r, "fan_", number);
     char note[sizeof r->note + 64];
     asdic_picture_options options = asdic_render_picture(r, title, "ping", number);
     if (side) {
@@ -188,10 +185,7 @@ static asdic_status draw_fan(asdic_render *r, const asdic_record *record, const 
                  r->note);
         options.note = note;
     }
-    asdic_status status = path ? asdic_picture_fan(r->ctx, path, fan, &options)
-                               : asdic_fail_memory(r->ctx, "a file name");
-    free(path);
-    return status;
+    return asdic_picture_fan(r->ctx, asdic_render_path(r, "fan_", number).text, fan, &options);
 }
 
 /* The beams of a section, clockwise on the page. */

@@ -20,10 +20,6 @@ static double ping_period_s(const asdic_render *r) {
 static asdic_status draw(asdic_render *r, size_t beam, const asdic_decimator *levels) {
     char title[256];
     const char *name = r->info.sonar->receivers[beam].name;
-    char *path = asdic_render_path(r, "waterfall_", name);
-    if (!path) {
-        return asdic_fail_memory(r->ctx, "a file name");
-    }
     snprintf(title, sizeof title, "%s: beam \u2018%s\u2019", r->info.scene_name, name);
     asdic_picture_options options = asdic_render_picture(r, title, "beam", name);
     asdic_waterfall waterfall = {.pings = r->info.pings,
@@ -31,9 +27,8 @@ static asdic_status draw(asdic_render *r, size_t beam, const asdic_decimator *le
                                  .bin_length_m = r->run->facts.bin_length_m,
                                  .first_time_s = r->summary->statistics.first_time_s,
                                  .ping_period_s = ping_period_s(r)};
-    asdic_status status = asdic_draw_waterfall(r->ctx, path, &waterfall, levels, &options);
-    free(path);
-    return status;
+    return asdic_draw_waterfall(r->ctx, asdic_render_path(r, "waterfall_", name).text, &waterfall,
+                                levels, &options);
 }
 
 typedef struct raw_rows {
@@ -55,10 +50,6 @@ static asdic_status raw_row(void *user, size_t ping, uint16_t *grey) {
 /* Every bin of every ping, read as it is written. */
 static asdic_status draw_raw(asdic_render *r, size_t beam) {
     const char *name = r->info.sonar->receivers[beam].name;
-    char *path = asdic_render_path(r, "raw_", name);
-    if (!path) {
-        return asdic_fail_memory(r->ctx, "a file name");
-    }
     raw_rows rows = {.render = r,
                      .beam = beam,
                      .options = asdic_render_picture(r, r->info.scene_name, "beam", name)};
@@ -67,9 +58,7 @@ static asdic_status draw_raw(asdic_render *r, size_t beam) {
                      .grey_row = raw_row,
                      .user = &rows,
                      .texts = rows.options.texts};
-    asdic_status status = asdic_png_write(r->ctx, path, &png);
-    free(path);
-    return status;
+    return asdic_png_write(r->ctx, asdic_render_path(r, "raw_", name).text, &png);
 }
 
 /* The overview has a gain and a window of its own unless the options give them. */
@@ -92,12 +81,8 @@ asdic_status asdic_render_overview(const asdic_render *whole) {
     asdic_render_describe(&own);
     snprintf(title, sizeof title, "%s: strongest echo of each ping and beam", r->info.scene_name);
     asdic_picture_options options = asdic_render_picture(r, title, "view", "overview");
-    char *path = asdic_render_path(r, "overview", "");
-    asdic_status status =
-        path ? asdic_draw_overview(r->ctx, path, &summary->overview, &axes, &options)
-             : asdic_fail_memory(r->ctx, "a file name");
-    free(path);
-    return status;
+    return asdic_draw_overview(r->ctx, asdic_render_path(r, "overview", "").text,
+                               &summary->overview, &axes, &options);
 }
 
 asdic_status asdic_render_waterfalls(asdic_render *r) {

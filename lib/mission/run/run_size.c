@@ -291,6 +291,6 @@ asdic_status asdic_mission_time_writing(asdic_context *ctx, const asdic_mission 
                           folder);
     }
     asdic_status status = time_in(ctx, mission, ping, folder, seconds);
-    asdic_folder_remove(ctx, folder);
+    asdic_folder_remove(folder);
     return status;
 }
