@@ -3,7 +3,6 @@
 #include "bench.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <time.h>
 
 #define MOST_PINGS 320

@@ -3,7 +3,6 @@
 #include "bench_pings.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 #define BEAMS 6
 #define RAYS 20000

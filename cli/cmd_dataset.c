@@ -1,7 +1,6 @@
 #include "commands.h"
 #include "progress.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -4,7 +4,6 @@
 #include "base/context.h"
 #include "base/try.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

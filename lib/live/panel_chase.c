@@ -4,7 +4,6 @@
 #include "base/vec.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 /* The pixels of the camera, one to one. */

@@ -5,13 +5,11 @@
 #include "base/file_name.h"
 #include "base/try.h"
 #include "mission/mission.h"
-#include "mission/run/run_folder.h"
 #include "mission/run/run_job.h"
 #include "mission/track/track.h"
 #include "out/record.h"
 
 #include <errno.h>
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,7 +1,6 @@
 /* What each key does. */
 #include "view_state.h"
 
-#include "base/vec.h"
 #include "base/words.h"
 
 #include <math.h>

@@ -7,7 +7,6 @@
 #include "base/memory_left.h"
 #include "base/try.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 

@@ -14,7 +14,6 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 
 /* Places at which forms are compared, and beams; between them levels differ by a part of what they
  * differ by there. */

@@ -1,7 +1,6 @@
 #include "opencl.h"
 
 #include <ctype.h>
-#include <stdlib.h>
 #include <string.h>
 
 #define SELECTOR_HELP "auto, all, cpu, gpu, acc, P:D[,P:D...] or name:TEXT"

@@ -3,7 +3,6 @@
 #include "base/context.h"
 #include "base/try.h"
 #include "base/vec.h"
-#include "colormap.h"
 #include "draw.h"
 #include "file.h"
 #include "png_file.h"
@@ -12,7 +11,6 @@
 #include <cairo-svg.h>
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 

@@ -3,7 +3,6 @@
 #include "colormap.h"
 
 #include <math.h>
-#include <stdio.h>
 
 #define TICK_PX 7.0
 #define GAP_PX 5.0

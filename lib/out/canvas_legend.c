@@ -3,8 +3,6 @@
  */
 #include "canvas.h"
 
-#include <math.h>
-
 #define INK_RGB 0x202020u
 #define SAMPLE_PX 36.0 /* an entry's piece of line */
 #define BESIDE_PX 10.0 /* from there to its name */

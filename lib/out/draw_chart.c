@@ -3,7 +3,6 @@
 #include "base/try.h"
 #include "base/vec.h"
 #include "digits.h"
-#include "draw.h"
 #include "draw_chart_page.h"
 #include "colormap.h"
 #include "raster_relief.h"

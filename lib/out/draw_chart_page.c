@@ -1,6 +1,5 @@
 #include "draw_chart_page.h"
 
-#include "draw.h"
 #include "raster_relief.h"
 
 #include <math.h>

@@ -2,7 +2,6 @@
 
 #include "asdic_config.h"
 #include "base/context.h"
-#include "file.h"
 
 #include <dlfcn.h>
 #include <errno.h>

@@ -2,14 +2,12 @@
 
 #include "base/context.h"
 #include "base/try.h"
-#include "colormap.h"
 #include "digits.h"
 #include "png_file.h"
 #include "raster.h"
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 asdic_picture_options asdic_picture_options_default(void) {

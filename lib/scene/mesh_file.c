@@ -11,7 +11,6 @@
 #include "../base/context.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 static uint64_t hash_facets(const asdic_polygons *p) {

@@ -10,8 +10,6 @@
 #include "../base/context.h"
 #include "../base/vec.h"
 
-#include <stdlib.h>
-
 #define MIN_SEGMENTS 3
 #define MAX_SEGMENTS 4096
 

@@ -4,7 +4,6 @@
 #include "base/vec.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 /* Elevations that are tried on a stretch between grazing rays. */
 #define SEARCH 32

@@ -4,7 +4,6 @@
 
 #include "aim.h"
 #include "base/context.h"
-#include "base/try.h"
 #include "base/vec.h"
 #include "scene/scene.h"
 

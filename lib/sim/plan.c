@@ -16,7 +16,6 @@
 #include "../../kernels/water.h"
 
 #include <stdarg.h>
-#include <stdio.h>
 
 /* The greatest sound speed that rays from the poses may meet. */
 static double fastest_mps(const asdic_plan_case *c) {

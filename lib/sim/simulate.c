@@ -14,8 +14,6 @@
 #include "pulse.h"
 #include "truth.h"
 
-#include <math.h>
-
 #define COUNT(args) (sizeof(args) / sizeof *(args))
 
 /* Ends a phase of a ping that is profiled: waits for the device, adds the time. */

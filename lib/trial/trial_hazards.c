@@ -6,7 +6,6 @@
 #include "trial_hazards.h"
 
 #include "base/context.h"
-#include "base/try.h"
 #include "base/vec.h"
 
 #include <stdlib.h>

@@ -10,14 +10,12 @@
 #include "base/problems.h"
 #include "base/try.h"
 #include "mission/scene_file/yaml_tree.h"
-#include "mission/scene_file/scene_file.h"
 
 #include "../../kernels/detection.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #define LEVEL 0.95
 #define TAIL (0.5 * (1.0 - LEVEL))

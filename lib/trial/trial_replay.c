@@ -1,7 +1,6 @@
 /*
  * The scene of a run, and the run once more.
  */
-#include "trial_folder.h"
 #include "trial_run.h"
 
 #include "base/context.h"

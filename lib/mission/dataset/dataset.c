@@ -6,16 +6,12 @@
 #include "labelled.h"
 #include "gather.h"
 #include "mission/mission.h"
-#include "mission/run/run_folder.h"
 #include "mission/scene_inputs.h"
-#include "out/file.h"
 #include "out/raster.h"
 
 #include <dirent.h>
-#include <errno.h>
 #include <math.h>
 #include <pthread.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>

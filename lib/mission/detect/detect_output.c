@@ -10,7 +10,6 @@
 #include "base/vec.h"
 #include "detect/evidence.h"
 #include "mission/mission.h"
-#include "mission/run/run_folder.h"
 #include "out/csv.h"
 
 #include <math.h>

@@ -7,7 +7,6 @@
 #include "base/context.h"
 #include "base/number.h"
 #include "base/try.h"
-#include "base/vec.h"
 #include "detect/law.h"
 #include "mission/mission.h"
 #include "sim/expected.h"

@@ -12,7 +12,6 @@
 #include "run_workers.h"
 #include "team_worker.h"
 
-#include <stdio.h>
 #include <string.h>
 
 asdic_run_options asdic_run_options_default(void) {

@@ -2,7 +2,6 @@
 
 #include "base/context.h"
 #include "base/file_name.h"
-#include "run_folder.h"
 #include "sim/coherent.h"
 
 #include <stdio.h>

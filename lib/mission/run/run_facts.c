@@ -7,7 +7,6 @@
 #include "base/vec.h"
 #include "out/digits.h"
 #include "out/file.h"
-#include "run_folder.h"
 #include "run_statistics.h"
 
 #include <math.h>

@@ -7,7 +7,6 @@
 #include "base/number.h"
 #include "base/problems.h"
 #include "mission/scene_file/yaml_tree.h"
-#include "run_folder.h"
 
 #include <errno.h>
 #include <math.h>

@@ -5,7 +5,6 @@
 #include "base/try.h"
 #include "out/csv.h"
 #include "out/format.h"
-#include "run_folder.h"
 
 #include <stdlib.h>
 

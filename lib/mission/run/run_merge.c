@@ -13,7 +13,6 @@
 #include "mission/track/track.h"
 #include "out/file.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -6,7 +6,6 @@
 #include "run_check.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -3,7 +3,6 @@
 #include "base/context.h"
 #include "out/digits.h"
 #include "run_facts.h"
-#include "run_folder.h"
 
 #include <ctype.h>
 #include <stdio.h>

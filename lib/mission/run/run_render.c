@@ -7,9 +7,6 @@
 #include "run_section.h"
 
 #include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 asdic_render_options asdic_render_options_default(void) {
     return (asdic_render_options){

@@ -3,11 +3,9 @@
  */
 #include "base/context.h"
 #include "base/try.h"
-#include "base/vec.h"
 #include "out/beam_width.h"
 #include "out/digits.h"
 #include "out/raster.h"
-#include "run_folder.h"
 #include "run_footprint.h"
 #include "run_picture.h"
 #include "run_chart_data.h"

@@ -6,7 +6,6 @@
 #include "out/digits.h"
 #include "out/draw.h"
 #include "out/polar.h"
-#include "run_folder.h"
 #include "run_section.h"
 #include "sim/expected.h"
 

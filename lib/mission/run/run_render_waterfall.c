@@ -4,10 +4,8 @@
 #include "base/try.h"
 #include "out/draw.h"
 #include "out/png_file.h"
-#include "run_folder.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 
 /* Beams up to here are named in the overview. */
 #define MOST_NAMES 16

@@ -4,7 +4,6 @@
 #include "base/try.h"
 #include "team_message.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>

@@ -5,7 +5,6 @@
 
 #include "base/number.h"
 
-#include <math.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>

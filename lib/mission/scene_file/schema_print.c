@@ -4,7 +4,6 @@
  */
 #include "schema.h"
 
-#include <stdio.h>
 #include <string.h>
 
 static void print_table(const asdic_table *table, asdic_text *text, int indent);

@@ -6,7 +6,6 @@
 
 #include <yaml.h>
 
-#include <stdio.h>
 #include <string.h>
 
 #define MAX_DEPTH 32
