@@ -30,6 +30,7 @@ static struct asdic_arena_block *add_block(asdic_arena *arena, size_t bytes) {
 void *asdic_arena_alloc(asdic_arena *arena, size_t bytes) {
     const size_t align = alignof(max_align_t);
     if (bytes > (size_t)-1 - align) {
+        arena->is_short = true;
         return NULL;
     }
     bytes = (bytes + align - 1) / align * align;
@@ -37,6 +38,7 @@ void *asdic_arena_alloc(asdic_arena *arena, size_t bytes) {
     if (!block || block->capacity - block->used < bytes) {
         block = add_block(arena, bytes);
         if (!block) {
+            arena->is_short = true;
             return NULL;
         }
     }

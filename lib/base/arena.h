@@ -4,11 +4,13 @@
 #ifndef ASDIC_BASE_ARENA_H
 #define ASDIC_BASE_ARENA_H
 
+#include <stdbool.h>
 #include <stddef.h>
 
 /* Zero-initialised is empty. */
 typedef struct asdic_arena {
     struct asdic_arena_block *blocks;
+    bool is_short; /* of memory: something that was asked for is NULL */
 } asdic_arena;
 
 /* BYTES zeroed bytes, aligned for any object; NULL when memory is short. */

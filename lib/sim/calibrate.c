@@ -93,6 +93,7 @@ typedef struct first_bins {
 /* What the calibration's pings gave, per cell. The memory is kept from block to block: for many beams and
  * bins it is a hundred megabytes, which take longer to allocate than to fill. */
 typedef struct asdic_calibration {
+    asdic_arena memory;             /* of all that follows but pings */
     uint32_t count;                 /* pings */
     double *energy[PINGS_ALONE];    /* without noise */
     double *mean;                   /* of the energies before the pulse's length */
@@ -477,25 +478,25 @@ static asdic_status allocate(const asdic_simulator *sim, calibration *c) {
     const asdic_setup *setup = &sim->setup;
     size_t cells = setup->cells, beams = setup->sonar.receiver_count;
     size_t longest = setup->bins > beams ? setup->bins : beams;
-    bool whole = true;
+    asdic_arena *a = &c->memory;
     c->count = PINGS;
     if (sim->fan.many) {
-        c->alike = malloc(beams * sizeof *c->alike);
-        whole = c->alike != NULL;
-        c->count = whole ? find_alike(&setup->sonar, c->alike) : PINGS;
+        c->alike = asdic_arena_alloc(a, beams * sizeof *c->alike);
+        c->count = c->alike ? find_alike(&setup->sonar, c->alike) : PINGS;
     }
     for (uint32_t k = 0; k < c->count; k++) {
-        whole = whole && (c->energy[k] = malloc(cells * sizeof(double)));
+        c->energy[k] = asdic_arena_alloc(a, cells * sizeof(double));
     }
-    whole = whole && (c->mean = malloc(cells * sizeof *c->mean)) &&
-            (c->suggested = malloc(cells * sizeof *c->suggested)) &&
-            (c->rare = malloc(cells * sizeof *c->rare)) &&
-            (c->objects = malloc(cells * sizeof *c->objects)) &&
-            (c->water = malloc(cells * sizeof *c->water)) &&
-            (c->row = malloc(4 * (longest + 1) * sizeof *c->row)) && (c->kind = malloc(cells)) &&
-            (c->first = malloc(beams * sizeof *c->first)) &&
-            (c->sharp = malloc(beams * sizeof *c->sharp));
-    if (!whole) {
+    c->mean = asdic_arena_alloc(a, cells * sizeof *c->mean);
+    c->suggested = asdic_arena_alloc(a, cells * sizeof *c->suggested);
+    c->rare = asdic_arena_alloc(a, cells * sizeof *c->rare);
+    c->objects = asdic_arena_alloc(a, cells * sizeof *c->objects);
+    c->water = asdic_arena_alloc(a, cells * sizeof *c->water);
+    c->row = asdic_arena_alloc(a, 4 * (longest + 1) * sizeof *c->row);
+    c->kind = asdic_arena_alloc(a, cells);
+    c->first = asdic_arena_alloc(a, beams * sizeof *c->first);
+    c->sharp = asdic_arena_alloc(a, beams * sizeof *c->sharp);
+    if (a->is_short) {
         return asdic_fail_memory(sim->ctx, "a calibration");
     }
     for (size_t k = 0; k < c->count && k < setup->ping_batch; k++) {
@@ -520,19 +521,9 @@ static asdic_status calibration_create(asdic_simulator *sim) {
 void asdic_calibration_destroy(asdic_calibration **c) {
     if (*c) {
         for (int k = 0; k < PINGS_ALONE; k++) {
-            free((*c)->energy[k]);
             asdic_ping_destroy(&(*c)->pings[k]);
         }
-        free((*c)->mean);
-        free((*c)->suggested);
-        free((*c)->rare);
-        free((*c)->objects);
-        free((*c)->water);
-        free((*c)->row);
-        free((*c)->alike);
-        free((*c)->kind);
-        free((*c)->first);
-        free((*c)->sharp);
+        asdic_arena_finish(&(*c)->memory);
         free(*c);
         *c = NULL;
     }

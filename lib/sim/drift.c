@@ -15,7 +15,6 @@
 #include "base/widest.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* Cells from which an echo may have come reach over so many times the way: the nearest ones alone have a poor mean
@@ -36,55 +35,43 @@ typedef struct window_sums {
 } window_sums;
 
 struct asdic_drift_store {
+    asdic_arena memory;
     known_cells *before; /* [beam][bin]: of the beams before */
     window_sums *sums;   /* of every thread */
-    size_t threads;
-    asdic_pose *poses; /* where what moves was */
+    asdic_pose *poses;   /* where what moves was */
 };
 
-static bool sums_create(window_sums *sums, size_t bins) {
-    sums->variance = malloc((3 * bins + 1) * sizeof *sums->variance);
-    sums->count = malloc((3 * bins + 1) * sizeof *sums->count);
-    sums->mean = malloc(bins * sizeof *sums->mean);
-    sums->least = malloc(bins * sizeof *sums->least);
-    sums->rows = malloc(2 * bins * sizeof *sums->rows);
-    return sums->variance && sums->count && sums->mean && sums->least && sums->rows;
-}
-
-static void sums_destroy(window_sums *sums) {
-    free(sums->variance);
-    free(sums->count);
-    free(sums->mean);
-    free(sums->least);
-    free(sums->rows);
+static void sums_create(asdic_arena *a, window_sums *sums, size_t bins) {
+    sums->variance = asdic_arena_alloc(a, (3 * bins + 1) * sizeof *sums->variance);
+    sums->count = asdic_arena_alloc(a, (3 * bins + 1) * sizeof *sums->count);
+    sums->mean = asdic_arena_alloc(a, bins * sizeof *sums->mean);
+    sums->least = asdic_arena_alloc(a, bins * sizeof *sums->least);
+    sums->rows = asdic_arena_alloc(a, 2 * bins * sizeof *sums->rows);
 }
 
 static asdic_status store_create(asdic_simulator *sim) {
     size_t bins = sim->setup.bins, movables = sim->setup.scene->movable_count;
-    asdic_drift_store *s = calloc(1, sizeof *s);
-    bool whole = s && (s->before = calloc(sim->setup.cells + bins, sizeof *s->before)) &&
-                 (s->sums = calloc(sim->setup.threads, sizeof *s->sums)) &&
-                 (s->poses = malloc((movables + 1) * sizeof *s->poses));
-    while (whole && s->threads < sim->setup.threads) {
-        whole = sums_create(&s->sums[s->threads++], bins);
+    asdic_arena memory = {0};
+    asdic_drift_store *s = asdic_arena_alloc(&memory, sizeof *s);
+    window_sums *sums = asdic_arena_alloc(&memory, sim->setup.threads * sizeof *sums);
+    for (size_t k = 0; sums && k < sim->setup.threads; k++) {
+        sums_create(&memory, &sums[k], bins);
     }
-    if (!whole) {
-        asdic_drift_destroy(&s);
+    known_cells *before = asdic_arena_alloc(&memory, (sim->setup.cells + bins) * sizeof *before);
+    asdic_pose *poses = asdic_arena_alloc(&memory, (movables + 1) * sizeof *poses);
+    if (memory.is_short) {
+        asdic_arena_finish(&memory);
         return asdic_fail_memory(sim->ctx, "the errors that a simulator learnt");
     }
+    *s = (asdic_drift_store){memory, before, sums, poses};
     sim->learnt.drift = s;
     return ASDIC_OK;
 }
 
 void asdic_drift_destroy(asdic_drift_store **store) {
     if (*store) {
-        for (size_t k = 0; k < (*store)->threads; k++) {
-            sums_destroy(&(*store)->sums[k]);
-        }
-        free((*store)->before);
-        free((*store)->sums);
-        free((*store)->poses);
-        free(*store);
+        asdic_arena memory = (*store)->memory; /* the store lies in it */
+        asdic_arena_finish(&memory);
         *store = NULL;
     }
 }

@@ -13,6 +13,7 @@
 #include <asdic/ping.h>
 
 #include "../../kernels/ping_types.h"
+#include "base/arena.h"
 #include "beam_fan.h"
 #include "faces.h"
 #include "glints.h"
@@ -147,7 +148,7 @@ typedef struct asdic_buffers {
     asdic_buffer *water_tables;
     asdic_buffer *accumulator, *saturated, *totals, *results; /* see reduce.cl */
     asdic_buffer *pilot_rays, *pilot_energies;                /* adaptive sampler only */
-    bool accumulator_clear;
+    bool accumulator_clear; /* behind all buffers: asdic_store_destroy counts them by it */
 } asdic_buffers;
 
 /* The shots' memory on the host. */
@@ -160,6 +161,7 @@ typedef struct asdic_host_store {
     asdic_ping **wide; /* setup.ping_batch with the margin, before the pulse; NULL: no margin */
     dev_pilot *pilot_rays;
     float *pilot_energies;
+    asdic_arena memory; /* of these, the shots and what they state */
 } asdic_host_store;
 
 /* What a simulator has found out. */

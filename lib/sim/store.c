@@ -7,6 +7,7 @@
 #include "base/try.h"
 #include "pulse.h"
 
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -58,20 +59,19 @@ static asdic_status create_wide(asdic_simulator *sim) {
 asdic_status asdic_store_create_host(asdic_simulator *sim) {
     size_t beams = sim->setup.sonar.receiver_count, bins = sim->setup.bins,
            pings = sim->setup.ping_batch;
-    sim->setup.receivers = malloc(beams * sizeof *sim->setup.receivers);
-    sim->host.pings = calloc(pings, asdic_simulator_ping_bytes(sim));
-    sim->shots = calloc(pings, sizeof *sim->shots);
-    sim->host.bin_tables = calloc(pings * 2 * bins, sizeof *sim->host.bin_tables);
-    sim->host.water = calloc(pings * 2 * bins, sizeof *sim->host.water);
-    sim->host.results = malloc(pings * asdic_simulator_results_bytes(sim));
-    sim->learnt.stated = malloc(sim->setup.cells * sizeof *sim->learnt.stated);
-    sim->host.scratch =
-        malloc(sim->setup.threads * asdic_pulse_scratch(bins) * sizeof *sim->host.scratch);
-    sim->host.pilot_rays = malloc(pilot_slots(sim) * sizeof *sim->host.pilot_rays);
-    sim->host.pilot_energies = malloc(pilot_energy_bytes(sim));
-    if (!sim->setup.receivers || !sim->host.pings || !sim->shots || !sim->host.bin_tables ||
-        !sim->host.water || !sim->host.results || !sim->learnt.stated || !sim->host.scratch ||
-        !sim->host.pilot_rays || !sim->host.pilot_energies) {
+    asdic_arena *a = &sim->host.memory;
+    sim->setup.receivers = asdic_arena_alloc(a, beams * sizeof *sim->setup.receivers);
+    sim->host.pings = asdic_arena_alloc(a, pings * asdic_simulator_ping_bytes(sim));
+    sim->shots = asdic_arena_alloc(a, pings * sizeof *sim->shots);
+    sim->host.bin_tables = asdic_arena_alloc(a, pings * 2 * bins * sizeof *sim->host.bin_tables);
+    sim->host.water = asdic_arena_alloc(a, pings * 2 * bins * sizeof *sim->host.water);
+    sim->host.results = asdic_arena_alloc(a, pings * asdic_simulator_results_bytes(sim));
+    sim->learnt.stated = asdic_arena_alloc(a, sim->setup.cells * sizeof *sim->learnt.stated);
+    sim->host.scratch = asdic_arena_alloc(a, sim->setup.threads * asdic_pulse_scratch(bins) *
+                                                 sizeof *sim->host.scratch);
+    sim->host.pilot_rays = asdic_arena_alloc(a, pilot_slots(sim) * sizeof *sim->host.pilot_rays);
+    sim->host.pilot_energies = asdic_arena_alloc(a, pilot_energy_bytes(sim));
+    if (a->is_short) {
         return asdic_fail_memory(sim->ctx, "a simulator");
     }
     for (size_t k = 0; k < pings; k++) {
@@ -146,33 +146,14 @@ asdic_status asdic_store_create_device(asdic_simulator *sim) {
 }
 
 void asdic_store_destroy(asdic_simulator *sim) {
-    asdic_buffer **buffers[] = {
-        &sim->buffers.layers,        &sim->buffers.legs,           &sim->buffers.leg_hits,
-        &sim->buffers.active,        &sim->buffers.pings,          &sim->buffers.table,
-        &sim->buffers.rays,          &sim->buffers.solid_angles,   &sim->buffers.splats,
-        &sim->buffers.hits,          &sim->buffers.bounced,        &sim->buffers.bounced_hits,
-        &sim->buffers.returning,     &sim->buffers.returning_hits, &sim->buffers.mirrors,
-        &sim->buffers.parts,         &sim->buffers.materials,      &sim->buffers.no_triangles,
-        &sim->buffers.water_tables,  &sim->buffers.arrivals,       &sim->buffers.accumulator,
-        &sim->buffers.saturated,     &sim->buffers.results,        &sim->buffers.totals,
-        &sim->buffers.pilot_rays,    &sim->buffers.pilot_energies, &sim->buffers.bounced_legs,
-        &sim->buffers.returning_legs};
-    for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++) {
-        asdic_buffer_destroy(buffers[i]);
+    asdic_buffer **first = (asdic_buffer **)&sim->buffers;
+    for (size_t i = 0; i < offsetof(asdic_buffers, accumulator_clear) / sizeof *first; i++) {
+        asdic_buffer_destroy(&first[i]);
     }
     for (size_t k = 0; sim->host.wide && k < sim->setup.ping_batch; k++) {
         asdic_ping_destroy(&sim->host.wide[k]);
     }
     free(sim->host.wide);
-    free(sim->setup.receivers);
     free(sim->setup.scatterers);
-    free(sim->host.pings);
-    free(sim->shots);
-    free(sim->host.bin_tables);
-    free(sim->host.water);
-    free(sim->host.results);
-    free(sim->learnt.stated);
-    free(sim->host.scratch);
-    free(sim->host.pilot_rays);
-    free(sim->host.pilot_energies);
+    asdic_arena_finish(&sim->host.memory);
 }

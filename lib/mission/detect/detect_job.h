@@ -6,6 +6,7 @@
 
 #include <asdic/detections.h>
 
+#include "base/arena.h"
 #include "detect_background.h"
 #include "detect_truth.h"
 #include "out/file.h"
@@ -29,6 +30,7 @@ typedef struct asdic_detect_job {
     asdic_ping *expected;               /* NULL: background is not flat */
     asdic_expected_place place;         /* for which it was computed; depth NAN: none yet */
     asdic_ring_shelf *shelf;            /* the beams' profiles */
+    asdic_arena memory;                 /* of the arrays that follow, but what grows */
     double *intensity_lin, *noise_lin;  /* of the ping, [beam * bins + bin] */
     double *fixed_lin;                  /* of the background: what K speckle gives no texture */
     double *rest_lin;                   /* expected, without the echoes of objects and ghosts */

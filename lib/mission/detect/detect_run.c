@@ -128,21 +128,21 @@ static asdic_status take_ping(asdic_detect_job *job, size_t index, const asdic_r
 
 static asdic_status allocate(asdic_detect_job *job) {
     size_t cells = job->info.beams * job->info.bins;
-    job->intensity_lin = calloc(5 * cells, sizeof *job->intensity_lin);
-    job->truth = calloc(cells, sizeof *job->truth);
-    job->label = calloc(cells, sizeof *job->label);
-    job->detected = calloc(cells, sizeof *job->detected);
-    job->error_db = calloc(cells, sizeof *job->error_db);
-    job->plots = calloc(cells, sizeof *job->plots);
-    job->plot_cell = calloc(2 * cells, sizeof *job->plot_cell);
+    asdic_arena *a = &job->memory;
+    job->intensity_lin = asdic_arena_alloc(a, 5 * cells * sizeof *job->intensity_lin);
+    job->truth = asdic_arena_alloc(a, cells * sizeof *job->truth);
+    job->label = asdic_arena_alloc(a, cells * sizeof *job->label);
+    job->detected = asdic_arena_alloc(a, cells * sizeof *job->detected);
+    job->error_db = asdic_arena_alloc(a, cells * sizeof *job->error_db);
+    job->plots = asdic_arena_alloc(a, cells * sizeof *job->plots);
+    job->plot_cell = asdic_arena_alloc(a, 2 * cells * sizeof *job->plot_cell);
     size_t sights = asdic_namer_count(job->namer) * job->info.beams;
-    job->sight_ping = calloc(sights, sizeof *job->sight_ping);
-    job->sight_hit = calloc(sights, sizeof *job->sight_hit);
-    job->sight_most = calloc(sights, sizeof *job->sight_most);
-    job->track_north_m = calloc(2 * (job->info.pings + 1), sizeof *job->track_north_m);
-    if (!job->intensity_lin || !job->truth || !job->label || !job->detected || !job->error_db ||
-        !job->plots || !job->plot_cell || !job->sight_ping || !job->sight_hit || !job->sight_most ||
-        !job->track_north_m) {
+    job->sight_ping = asdic_arena_alloc(a, sights * sizeof *job->sight_ping);
+    job->sight_hit = asdic_arena_alloc(a, sights * sizeof *job->sight_hit);
+    job->sight_most = asdic_arena_alloc(a, sights * sizeof *job->sight_most);
+    job->track_north_m =
+        asdic_arena_alloc(a, 2 * (job->info.pings + 1) * sizeof *job->track_north_m);
+    if (a->is_short) {
         return asdic_fail_memory(job->ctx, "detections");
     }
     job->plot_bins = job->plot_cell + cells;
@@ -341,18 +341,8 @@ static void finish(asdic_detect_job *job) {
     asdic_detect_report_destroy(&job->report);
     asdic_mission_destroy(&job->mission);
     asdic_run_close(&job->run);
-    free(job->intensity_lin);
-    free(job->truth);
-    free(job->label);
-    free(job->detected);
-    free(job->error_db);
-    free(job->plots);
-    free(job->plot_cell);
-    free(job->sight_ping);
-    free(job->sight_hit);
-    free(job->sight_most);
     free(job->track_seen);
-    free(job->track_north_m);
+    asdic_arena_finish(&job->memory);
 }
 
 static asdic_status detect(asdic_detect_job *job) {
