@@ -4,7 +4,6 @@
 #include <getopt.h>
 #include <string.h>
 
-
 /* getopt's value of option I: beyond any letter. */
 #define FIRST_VALUE 256
 
