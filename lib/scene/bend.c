@@ -5,9 +5,6 @@
 
 #include "../base/vec.h"
 
-/* A surface that bends this much more one way than the other is straight the other way. */
-#define STRAIGHT 1e-4
-
 /* Solves the symmetric 3 x 3 system A x = B by Cramer's rule; false when it is singular. */
 static bool solve3(const double a[3][3], const double b[3], double x[3]) {
     double c0 = a[1][1] * a[2][2] - a[1][2] * a[2][1];
@@ -59,11 +56,25 @@ asdic_bend asdic_bend_of(const asdic_surface *s, uint32_t facet, const asdic_vec
     return m;
 }
 
-double asdic_bend_larger_radius(const asdic_bend *m) {
-    double mean = 0.5 * (m->x[0] + m->x[2]), root = hypot(0.5 * (m->x[0] - m->x[2]), m->x[1]);
-    double least = fmin(fabs(mean + root), fabs(mean - root));
-    double most = fmax(fabs(mean + root), fabs(mean - root));
-    return least > STRAIGHT * most ? 1.0 / least : 0.0;
+void asdic_bend_add(asdic_bend *sum, double weight, const asdic_bend *m) {
+    double uu = asdic_vec3_dot(sum->u, m->u), uv = asdic_vec3_dot(sum->u, m->v);
+    double vu = asdic_vec3_dot(sum->v, m->u), vv = asdic_vec3_dot(sum->v, m->v);
+    sum->x[0] += weight * (m->x[0] * uu * uu + 2.0 * m->x[1] * uu * uv + m->x[2] * uv * uv);
+    sum->x[1] += weight * (m->x[0] * uu * vu + m->x[1] * (uu * vv + uv * vu) + m->x[2] * uv * vv);
+    sum->x[2] += weight * (m->x[0] * vu * vu + 2.0 * m->x[1] * vu * vv + m->x[2] * vv * vv);
+}
+
+asdic_principal asdic_bend_principal(const asdic_bend *m) {
+    double mean = 0.5 * (m->x[0] + m->x[2]), half = 0.5 * (m->x[0] - m->x[2]);
+    double root = sqrt(half * half + m->x[1] * m->x[1]);
+    /* Cosine of twice the angle from U to where the tensor is larger; of its negative, smaller. */
+    double cosine = root > 0.0 ? (mean > 0.0 ? -half : half) / root : 1.0;
+    double sine = copysign(sqrt(fmax(0.5 - 0.5 * cosine, 0.0)), mean > 0.0 ? -m->x[1] : m->x[1]);
+    return (asdic_principal){
+        .least = fabs(fabs(mean) - root),
+        .most = fabs(mean) + root,
+        .straightest = asdic_vec3_add(asdic_vec3_scale(m->u, sqrt(fmax(0.5 + 0.5 * cosine, 0.0))),
+                                      asdic_vec3_scale(m->v, sine))};
 }
 
 double asdic_bend_along(const asdic_bend *m, asdic_vec3 way) {

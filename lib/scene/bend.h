@@ -15,8 +15,16 @@ typedef struct asdic_bend {
 /* From how the surface's NORMALS at the facet's corners differ along its edges; exact on a ball. */
 asdic_bend asdic_bend_of(const asdic_surface *surface, uint32_t facet, const asdic_vec3 normals[3]);
 
-/* Larger radius of curvature; 0 where the surface is straight one way. */
-double asdic_bend_larger_radius(const asdic_bend *bend);
+/* Adds WEIGHT times the tensor of M, of a facet beside it. */
+void asdic_bend_add(asdic_bend *sum, double weight, const asdic_bend *m);
+
+/* Principal curvatures without their signs, 1/m, and where the surface bends least. */
+typedef struct asdic_principal {
+    double least, most;
+    asdic_vec3 straightest;
+} asdic_principal;
+
+asdic_principal asdic_bend_principal(const asdic_bend *bend);
 
 /* Turn by length along WAY. */
 double asdic_bend_along(const asdic_bend *bend, asdic_vec3 way);

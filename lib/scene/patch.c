@@ -153,8 +153,19 @@ static asdic_patch patch_of(const moments *m) {
     }
     double x = m->x / m->area, y = m->y / m->area;
     double xx = m->xx / m->area - x * x, yy = m->yy / m->area - y * y, xy = m->xy / m->area - x * y;
-    double half = 0.5 * (xx - yy);
-    return (asdic_patch){m->area, 12.0 * (0.5 * (xx + yy) + sqrt(half * half + xy * xy))};
+    double half = 0.5 * (xx - yy), root = hypot(half, xy), turn = 0.5 * atan2(xy, half);
+    asdic_vec3 along =
+        asdic_vec3_add(asdic_vec3_scale(m->u, cos(turn)), asdic_vec3_scale(m->v, sin(turn)));
+    return (asdic_patch){.area_m2 = m->area,
+                         .length2_m2 = 12.0 * (0.5 * (xx + yy) + root),
+                         .breadth2_m2 = 12.0 * fmax(0.5 * (xx + yy) - root, 0.0),
+                         .along = along};
+}
+
+double asdic_patch_width(const asdic_patch *p, asdic_vec3 way) {
+    double along = asdic_vec3_dot(p->along, way);
+    double across2 = fmax(asdic_vec3_dot(way, way) - along * along, 0.0);
+    return sqrt(p->length2_m2 * along * along + p->breadth2_m2 * across2);
 }
 
 static bool same_plane(const asdic_surface *s, uint32_t seed, uint32_t facet, double size_m) {
@@ -240,6 +251,13 @@ asdic_status asdic_surface_find_patches(asdic_context *ctx, double size_m, asdic
     return has_room ? ASDIC_OK : asdic_fail_memory(ctx, "the flat patches of an object");
 }
 
+double asdic_surface_area(const asdic_surface *s, uint32_t facet) {
+    asdic_vec3 p = asdic_surface_corner(s, 3 * (size_t)facet);
+    asdic_vec3 a = asdic_vec3_sub(asdic_surface_corner(s, 3 * (size_t)facet + 1), p);
+    asdic_vec3 b = asdic_vec3_sub(asdic_surface_corner(s, 3 * (size_t)facet + 2), p);
+    return 0.5 * asdic_vec3_length(asdic_vec3_cross(a, b));
+}
+
 void asdic_surface_finish(asdic_surface *surface) {
     free(surface->vertex);
     free(surface->first);
@@ -247,5 +265,4 @@ void asdic_surface_finish(asdic_surface *surface) {
     free(surface->side);
     free(surface->patch);
     free(surface->patches);
-    free(surface->round);
 }

@@ -12,7 +12,9 @@
 /* Touching facets in one plane. */
 typedef struct asdic_patch {
     double area_m2;
-    double length2_m2; /* square of its length: of a rectangle's longer side */
+    double length2_m2;  /* square of its length: of a rectangle's longer side */
+    double breadth2_m2; /* of the shorter one */
+    asdic_vec3 along;   /* unit, along its length */
 } asdic_patch;
 
 typedef struct asdic_surface {
@@ -25,7 +27,9 @@ typedef struct asdic_surface {
     int8_t *side;       /* per facet: 1 as it is wound, -1 the other way; neighbours then agree */
     uint32_t *patch;    /* per facet */
     asdic_patch *patches;
-    asdic_vec3 *round; /* 3 per facet: normals as if no patch were a face with a rounded edge */
+    const asdic_vec3
+        *round;        /* 3 per facet: normals as if no patch were a face with a rounded edge */
+    const bool *whole; /* by vertex: all facets there are of one curved surface */
 } asdic_surface;
 
 /* COUNT facets of a part: which touch, their sides and rims. Finish it even when this fails. */
@@ -35,6 +39,11 @@ asdic_status asdic_surface_init(asdic_context *ctx, const double *corners_m, dev
 /* The patches, of a part whose extent is SIZE_M. */
 asdic_status asdic_surface_find_patches(asdic_context *ctx, double size_m, asdic_surface *surface);
 void asdic_surface_finish(asdic_surface *surface);
+
+/* How far it reaches along WAY, in its plane, times the length of WAY. */
+double asdic_patch_width(const asdic_patch *patch, asdic_vec3 way);
+
+double asdic_surface_area(const asdic_surface *surface, uint32_t facet);
 
 static inline asdic_vec3 asdic_surface_corner(const asdic_surface *s, size_t corner) {
     const double *v = &s->corners_m[3 * corner];

@@ -5,6 +5,7 @@
 #include "bend.h"
 #include "moving.h"
 #include "patch.h"
+#include "straight.h"
 
 #include "laws/scatterer.h"
 
@@ -17,17 +18,16 @@
 /* Facets that meet at a sharper angle than 35 degrees meet at an edge; below it they stand for one
  * curved surface. A round body of 16 facets turns by 32 from one to the next but one. */
 #define CREASE_COSINE 0.819
+#define HALF_CREASE_COSINE 0.954
 /* A patch this much larger than its neighbour may be a flat face with a rounded edge, which stays flat. */
 #define FACE_RATIO 4.0
 /* It is where the neighbour bends this much faster. On a ball all facets bend alike. */
 #define BEND_RATIO 2.0
-/* It is for certain where it is cut into facets so much smaller; of roundings to SAME_PLANE a curved
- * surface has patches of several as well. */
-#define MANY_FACETS 4.0
-/* A face is cut into two triangles at least, unless it is one. */
+/* A face is cut into two triangles at least, unless it is one. What is cut into more than one across the way in which
+ * it would bend is one for certain: facets of a curved surface turn from one to the next. */
 #define SOME_FACETS 1.5
-/* What lies ahead over a bevel goes on turning about its edge; the cap of a round body's end, beside fine strips, has its
- * normal along that, with this cosine or more. */
+/* What lies ahead over a bevel goes on turning about its edge; the cap of a round body's end, beside fine strips, has
+ * its normal along that, with this cosine or more. */
 #define ASIDE 0.5
 
 uint32_t asdic_smooth_pack(asdic_vec3 n) {
@@ -53,13 +53,6 @@ static double corner_weight(const asdic_surface *s, uint32_t corner) {
     asdic_vec3 b = asdic_vec3_sub(asdic_surface_corner(s, facet + (corner + 2) % 3), p);
     double aa = asdic_vec3_dot(a, a), bb = asdic_vec3_dot(b, b);
     return aa * bb > 0.0 ? asdic_vec3_length(asdic_vec3_cross(a, b)) / (aa * bb) : 0.0;
-}
-
-static double facet_m2(const asdic_surface *s, uint32_t facet) {
-    asdic_vec3 p = asdic_surface_corner(s, 3 * (size_t)facet);
-    asdic_vec3 a = asdic_vec3_sub(asdic_surface_corner(s, 3 * (size_t)facet + 1), p);
-    asdic_vec3 b = asdic_vec3_sub(asdic_surface_corner(s, 3 * (size_t)facet + 2), p);
-    return 0.5 * asdic_vec3_length(asdic_vec3_cross(a, b));
 }
 
 static asdic_vec3 sum_of_corners(const asdic_surface *s, uint32_t facet) {
@@ -89,14 +82,28 @@ static bool is_bevel(const asdic_surface *s, uint32_t facet, uint32_t corner, as
     return false;
 }
 
+/* How far FACET reaches along WAY, times the length of WAY. */
+static double width_along(const asdic_surface *s, uint32_t facet, asdic_vec3 way) {
+    double low = INFINITY, high = -INFINITY;
+    for (size_t k = 0; k < 3; k++) {
+        double at = asdic_vec3_dot(asdic_surface_corner(s, 3 * (size_t)facet + k), way);
+        low = fmin(low, at);
+        high = fmax(high, at);
+    }
+    return high - low;
+}
+
 /* Whether the much smaller facet that has CORNER begins the bevelled or rounded edge of the flat face
  * that FACET is, or is cut from. */
 static bool begins_edge(const asdic_surface *s, uint32_t facet, uint32_t corner) {
     uint32_t other = corner / 3;
-    double face_m2 = s->patches[s->patch[facet]].area_m2, own_m2 = facet_m2(s, facet);
+    const asdic_patch *face = &s->patches[s->patch[facet]];
+    asdic_vec3 own = asdic_surface_normal(s, facet), normal = asdic_surface_normal(s, other);
+    asdic_vec3 turn = asdic_vec3_sub(normal, asdic_vec3_scale(own, asdic_vec3_dot(own, normal)));
     asdic_vec3 way = asdic_vec3_sub(sum_of_corners(s, other), sum_of_corners(s, facet));
-    if (face_m2 > MANY_FACETS * own_m2 ||
-        (face_m2 > SOME_FACETS * own_m2 && is_bevel(s, facet, corner, way))) {
+    if (asdic_patch_width(face, turn) > SOME_FACETS * width_along(s, facet, turn) ||
+        (face->area_m2 > SOME_FACETS * asdic_surface_area(s, facet) &&
+         is_bevel(s, facet, corner, way))) {
         return true;
     }
     asdic_bend there = asdic_bend_of(s, other, s->round + 3 * (size_t)other);
@@ -104,43 +111,157 @@ static bool begins_edge(const asdic_surface *s, uint32_t facet, uint32_t corner)
     return asdic_bend_along(&there, way) > BEND_RATIO * asdic_bend_along(&here, way);
 }
 
-/* The surface's normal at a corner of FACET; *BENT when another patch has a part in it. */
-static asdic_vec3 corner_normal(const asdic_surface *s, uint32_t facet, uint32_t corner,
-                                bool *bent) {
-    asdic_vec3 own = asdic_surface_normal(s, facet), sum = {0.0, 0.0, 0.0};
-    uint32_t vertex = s->vertex[corner], first = s->first[vertex], end = s->first[vertex + 1];
-    double least_m2 = s->patches[s->patch[facet]].area_m2 / FACE_RATIO;
-    if (end - first > ASDIC_MOST_CORNERS) {
-        return own;
+/* Whether the surface that FACET stands for goes on in the facet that has CORNER, where both touch. */
+static bool goes_on(const asdic_surface *s, uint32_t facet, uint32_t corner) {
+    uint32_t other = corner / 3;
+    if (s->patch[other] == s->patch[facet]) {
+        return true;
     }
-    for (uint32_t i = first; i < end; i++) {
-        uint32_t other = s->touching[i] / 3;
-        asdic_vec3 normal = asdic_surface_normal(s, other);
-        bool patch = s->patch[other] != s->patch[facet];
-        if (patch && (asdic_vec3_dot(own, normal) < CREASE_COSINE ||
-                      (s->round && s->patches[s->patch[other]].area_m2 < least_m2 &&
-                       begins_edge(s, facet, s->touching[i])))) {
-            continue;
+    double least_m2 = s->patches[s->patch[facet]].area_m2 / FACE_RATIO;
+    return asdic_vec3_dot(asdic_surface_normal(s, facet), asdic_surface_normal(s, other)) >=
+               CREASE_COSINE &&
+           !(s->round && s->patches[s->patch[other]].area_m2 < least_m2 &&
+             begins_edge(s, facet, corner));
+}
+
+/* Where the corners of one vertex begin and end in touching; none of a vertex that stays sharp. */
+typedef struct ring {
+    uint32_t first, end;
+    bool whole; /* every facet goes on in every other: all have one normal there */
+} ring;
+
+/* Whether that is so at first sight. */
+static bool is_smooth(const asdic_surface *s, ring r) {
+    double least_m2 = INFINITY, most_m2 = 0.0;
+    for (uint32_t i = r.first; i < r.end; i++) {
+        uint32_t first = s->touching[r.first] / 3, facet = s->touching[i] / 3;
+        double area_m2 = s->patches[s->patch[facet]].area_m2;
+        least_m2 = area_m2 < least_m2 ? area_m2 : least_m2;
+        most_m2 = area_m2 > most_m2 ? area_m2 : most_m2;
+        if (asdic_vec3_dot(asdic_surface_normal(s, first), asdic_surface_normal(s, facet)) <
+            HALF_CREASE_COSINE) {
+            return false;
         }
-        *bent |= patch;
-        double weight = corner_weight(s, s->touching[i]);
-        sum = asdic_vec3_add(sum, asdic_vec3_scale(normal, weight));
+    }
+    return !s->round || most_m2 <= FACE_RATIO * least_m2;
+}
+
+static ring ring_of(const asdic_surface *s, uint32_t vertex) {
+    ring r = {.first = s->first[vertex], .end = s->first[vertex + 1]};
+    r.end = r.end - r.first > ASDIC_MOST_CORNERS ? r.first : r.end;
+    r.whole = s->whole ? s->whole[vertex] : is_smooth(s, r);
+    return r;
+}
+
+static bool is_whole(const asdic_surface *s, ring r) {
+    for (uint32_t i = r.first; i < r.end; i++) {
+        for (uint32_t j = r.first; j < r.end; j++) {
+            if (!goes_on(s, s->touching[i] / 3, s->touching[j])) {
+                return false;
+            }
+        }
+    }
+    return true;
+}
+
+/* The mean of the normals that meet at CORNER; as BEFORE where no face may begin. */
+static asdic_vec3 mean_normal(const asdic_surface *s, ring r, const asdic_vec3 *before,
+                              uint32_t corner) {
+    if (before && r.whole) {
+        return before[corner];
+    }
+    asdic_vec3 sum = {0.0, 0.0, 0.0};
+    for (uint32_t i = r.first; i < r.end; i++) {
+        if (r.whole || goes_on(s, corner / 3, s->touching[i])) {
+            asdic_vec3 normal = asdic_surface_normal(s, s->touching[i] / 3);
+            sum = asdic_vec3_add(sum, asdic_vec3_scale(normal, corner_weight(s, s->touching[i])));
+        }
     }
     double length = asdic_vec3_length(sum);
-    return length > 0.0 ? asdic_vec3_scale(sum, 1.0 / length) : own;
+    return length > 0.0 ? asdic_vec3_scale(sum, 1.0 / length) : asdic_surface_normal(s, corner / 3);
+}
+
+/* The normal at CORNER, nearer to one that makes the same angle with every edge there as the normal BEFORE at the edge's
+ * other end: (n + n') e = 0 (where A. Vlachos et al., "Curved PN triangles", I3D 2001, bend no normal beyond the mean of
+ * both). Chords of balls and of round cylinders do so, those of other surfaces to the third order of their length, where
+ * the mean errs in the second if facets are uneven. Half the way is made, so that neighbours that move together settle. */
+static asdic_vec3 turned_normal(const asdic_surface *s, ring r, const asdic_vec3 *before,
+                                uint32_t corner) {
+    asdic_vec3 n = before[corner], p = asdic_surface_corner(s, corner);
+    asdic_vec3 axis = fabs(n.x) < 0.6 ? (asdic_vec3){1, 0, 0} : (asdic_vec3){0, 1, 0};
+    asdic_vec3 u = asdic_vec3_cross(n, axis);
+    u = asdic_vec3_scale(u, 1.0 / asdic_vec3_length(u));
+    asdic_vec3 v = asdic_vec3_cross(n, u);
+    double uu = 0.0, uv = 0.0, vv = 0.0, ru = 0.0, rv = 0.0;
+    for (uint32_t i = r.first; i < r.end; i++) {
+        uint32_t at = s->touching[i], facet = 3 * (at / 3);
+        if (!r.whole && !goes_on(s, corner / 3, at)) {
+            continue;
+        }
+        for (uint32_t k = 1; k < 3; k++) {
+            uint32_t far = facet + (at + k) % 3;
+            asdic_vec3 e = asdic_vec3_sub(asdic_surface_corner(s, far), p);
+            double eu = asdic_vec3_dot(e, u), ev = asdic_vec3_dot(e, v);
+            double rest = asdic_vec3_dot(asdic_vec3_add(n, before[far]), e);
+            uu += eu * eu;
+            uv += eu * ev;
+            vv += ev * ev;
+            ru += eu * rest;
+            rv += ev * rest;
+        }
+    }
+    double hold = 0.5 * (uu + vv);
+    double det = (uu + hold) * (vv + hold) - uv * uv;
+    if (!(det > 0.0)) {
+        return n;
+    }
+    double tu = ((vv + hold) * ru - uv * rv) / det, tv = ((uu + hold) * rv - uv * ru) / det;
+    n = asdic_vec3_sub(n, asdic_vec3_add(asdic_vec3_scale(u, tu), asdic_vec3_scale(v, tv)));
+    return asdic_vec3_scale(n, 1.0 / asdic_vec3_length(n));
+}
+
+typedef asdic_vec3 corner_rule(const asdic_surface *s, ring r, const asdic_vec3 *before,
+                               uint32_t corner);
+
+/* Normals of all corners, from those BEFORE. */
+static void find_normals(const asdic_surface *s, corner_rule *rule, const asdic_vec3 *before,
+                         asdic_vec3 *normals) {
+    for (uint32_t vertex = 0; vertex < 3 * s->count; vertex++) {
+        if (s->vertex[vertex] != vertex) {
+            continue;
+        }
+        ring r = ring_of(s, vertex);
+        for (uint32_t i = s->first[vertex]; i < s->first[vertex + 1]; i++) {
+            uint32_t corner = s->touching[i];
+            normals[corner] = r.first == r.end         ? asdic_surface_normal(s, corner / 3)
+                              : r.whole && i > r.first ? normals[s->touching[r.first]]
+                                                       : rule(s, r, before, corner);
+        }
+    }
+}
+
+/* Whether another patch has a part in FACET's surface. */
+static bool is_bent(const asdic_surface *s, uint32_t facet) {
+    for (uint32_t k = 0; k < 3; k++) {
+        uint32_t vertex = s->vertex[3 * (size_t)facet + k], first = s->first[vertex];
+        uint32_t end = s->first[vertex + 1];
+        for (uint32_t i = first; i < end && end - first <= ASDIC_MOST_CORNERS; i++) {
+            if (s->patch[s->touching[i] / 3] != s->patch[facet] &&
+                goes_on(s, facet, s->touching[i])) {
+                return true;
+            }
+        }
+    }
+    return false;
 }
 
 /* TURNED: where the corners' normals go in double, three a facet; or NULL. */
-static void smooth_facet(const asdic_surface *s, uint32_t facet, asdic_vec3 *turned) {
+static void smooth_facet(const asdic_surface *s, uint32_t facet, const asdic_vec3 normals[3],
+                         asdic_vec3 *turned) {
     dev_triangle *t = &s->facets[facet];
     const asdic_patch *patch = &s->patches[s->patch[facet]];
-    asdic_vec3 normals[3];
-    bool bent = false;
-    for (uint32_t k = 0; k < 3; k++) {
-        normals[k] = corner_normal(s, facet, 3 * facet + k, &bent);
-    }
     t->flat_m2 = (float)patch->area_m2;
-    if (!bent) {
+    if (!is_bent(s, facet)) {
         return;
     }
     for (int k = 0; k < 3; k++) {
@@ -151,8 +272,6 @@ static void smooth_facet(const asdic_surface *s, uint32_t facet, asdic_vec3 *tur
         }
     }
     t->flat_m2 = (float)patch->length2_m2;
-    asdic_bend bend = asdic_bend_of(s, facet, normals);
-    t->radius_m = (float)asdic_bend_larger_radius(&bend);
 }
 
 /* Room for the normals of a part that moves; NULL for one that stays. */
@@ -180,18 +299,19 @@ static void turn_back(const asdic_movable *m, const asdic_vec3 *world) {
     }
 }
 
-/* Corner normals as if no patch were a face with a rounded edge. */
-static asdic_status find_round(asdic_context *ctx, asdic_surface *s) {
-    asdic_vec3 *round = malloc(3 * (size_t)s->count * sizeof *round);
-    if (!round) {
-        return asdic_fail_memory(ctx, "the corner normals of an object");
-    }
-    for (uint32_t corner = 0; corner < 3 * s->count; corner++) {
-        bool bent = false;
-        round[corner] = corner_normal(s, corner / 3, corner, &bent);
-    }
+/* Normals of all corners, in NORMALS; SPARE has room for as many. */
+static void find_corner_normals(asdic_surface *s, asdic_vec3 *normals, asdic_vec3 *spare,
+                                asdic_vec3 *round, bool *whole) {
+    find_normals(s, mean_normal, NULL, round);
     s->round = round;
-    return ASDIC_OK;
+    for (uint32_t vertex = 0; vertex < 3 * s->count; vertex++) {
+        ring r = ring_of(s, vertex);
+        whole[vertex] = r.whole || is_whole(s, r);
+    }
+    s->whole = whole;
+    find_normals(s, mean_normal, round, normals);
+    find_normals(s, turned_normal, normals, spare);
+    find_normals(s, turned_normal, spare, normals);
 }
 
 /* Smooths the facets of a part, whose SURFACE begins with triangle BEGIN. */
@@ -205,10 +325,21 @@ static asdic_status smooth_part(asdic_scene *scene, size_t begin, asdic_surface 
     }
     asdic_status status =
         asdic_surface_find_patches(scene->ctx, 2.0 * scene->parts[number].radius_m, surface);
-    status = status ? status : find_round(scene->ctx, surface);
-    for (uint32_t facet = 0; !status && facet < surface->count; facet++) {
-        smooth_facet(surface, facet, turned);
+    size_t corners = 3 * (size_t)surface->count;
+    asdic_vec3 *normals = malloc(3 * corners * sizeof *normals);
+    bool *whole = malloc(corners * sizeof *whole);
+    if (!status && (!normals || !whole)) {
+        status = asdic_fail_memory(scene->ctx, "the corner normals of an object");
     }
+    if (!status) {
+        find_corner_normals(surface, normals, normals + corners, normals + 2 * corners, whole);
+    }
+    for (uint32_t facet = 0; !status && facet < surface->count; facet++) {
+        smooth_facet(surface, facet, normals + 3 * (size_t)facet, turned);
+    }
+    status = status ? status : asdic_surface_find_straight(scene->ctx, surface, normals);
+    free(normals);
+    free(whole);
     if (moving && !status) {
         turn_back(moving, turned);
     }

@@ -246,6 +246,100 @@ static void fine_strips_leave_a_capped_cylinder_round(void **state) {
     asdic_scene_destroy(&scene);
 }
 
+/* In [-1/2, 1/2), unlike for neighbouring numbers (the end of MurmurHash3, A. Appleby). */
+static double jitter(uint32_t h) {
+    h = (h ^ h >> 16) * 0x85ebca6bu;
+    h = (h ^ h >> 13) * 0xc2b2ae35u;
+    return (double)((h ^ h >> 16) & 0xffffu) / 65536.0 - 0.5;
+}
+
+/* A tube of 0.25 m by 1 m with caps: strips of uneven width, each cut into as many pieces by rings; LOOSE, every vertex goes
+ * its own way on the tube, as meshers leave them. */
+static asdic_mesh *uneven_tube(uint32_t strips, uint32_t pieces, bool loose, double share) {
+    uint32_t rings = pieces + 1, ends = rings * strips, facets = 0;
+    double *v = malloc(3 * (ends + 2) * sizeof *v);
+    uint32_t *f = malloc(6 * strips * rings * sizeof *f);
+    assert_true(v && f);
+    for (uint32_t i = 0; i < ends; i++) {
+        uint32_t ring = i / strips, strip = i % strips;
+        bool inner = ring > 0 && ring < pieces;
+        double aside = share * jitter(loose ? i : strip), half = loose ? 0.5 * (ring % 2) : 0.0;
+        double angle = 2.0 * PI * (strip + half + aside) / strips;
+        v[3 * i] = 0.25 * cos(angle);
+        v[3 * i + 1] = 0.25 * sin(angle);
+        v[3 * i + 2] = (ring + (inner ? share * jitter(loose ? i + 7919 : ring) : 0.0)) / pieces;
+    }
+    const double middles[] = {0.0, 0.0, 0.0, 0.0, 0.0, 1.0};
+    memcpy(v + 3 * ends, middles, sizeof middles);
+    for (uint32_t i = 0; i < ends; i++) {
+        uint32_t ring = i / strips, next = ring * strips + (i + 1) % strips;
+        uint32_t a = ring % 2 && loose ? next + strips : i + strips, b = next + strips;
+        if (ring == 0 || ring == pieces) {
+            const uint32_t cap[] = {ring ? i : next, ring ? next : i, ends + (ring > 0)};
+            memcpy(f + 3 * facets++, cap, sizeof cap);
+        }
+        if (ring < pieces && ring % 2 && loose) { /* the ring above lies half a strip back */
+            const uint32_t two[] = {i, next, b, i, b, i + strips};
+            memcpy(f + 3 * facets, two, sizeof two);
+            facets += 2;
+        } else if (ring < pieces) {
+            const uint32_t two[] = {i, next, a, next, b, a};
+            memcpy(f + 3 * facets, two, sizeof two);
+            facets += 2;
+        }
+    }
+    asdic_mesh *mesh;
+    assert_ok(ctx, asdic_mesh_from_triangles(ctx, v, ends + 2, f, facets, &mesh));
+    free(v);
+    free(f);
+    return mesh;
+}
+
+/* What a tube returns broadside is that of its length in phase while its normals keep to the plane across. */
+static void uneven_tubes_are_round_and_straight(void **state) {
+    (void)state;
+    static const struct {
+        uint32_t strips, pieces;
+        bool loose;
+        double share, rms_rad;
+    } tubes[] = {{24, 3, false, 0.95, 1e-4},
+                 {32, 6, false, 0.95, 1e-4},
+                 {48, 24, true, 0.4, 1.5e-3},
+                 {96, 48, true, 0.4, 0.7e-3}};
+    for (int i = 0; i < 4; i++) {
+        asdic_pose upright = {.position_m = {40.0, 0.0, 12.0}};
+        asdic_scene *scene =
+            scene_of(uneven_tube(tubes[i].strips, tubes[i].pieces, tubes[i].loose, tubes[i].share),
+                     upright, asdic_material_facet(45.0, 0.0, 0.0));
+        double sum = 0.0, sides = 0.0, straight = 0.0, most = 0.0;
+        for (size_t k = 0; k < scene->triangle_count; k++) {
+            const dev_triangle *t = &scene->triangles[k];
+            if (fabsf(t->normal[2]) > 0.9f) {
+                assert_int_equal(t->corner_normals[0], DEV_FLAT);
+                continue;
+            }
+            assert_int_not_equal(t->corner_normals[0], DEV_FLAT);
+            for (int c = 0; c < 3; c++) {
+                float p[3];
+                point_at(t, c == 1, c == 2, p);
+                double x = p[0] + scene->origin_m.x - 40.0, y = p[1] + scene->origin_m.y;
+                most = fmax(most, off_rad(t, p, (asdic_vec3){x, y, 0.0}));
+                double along = smooth_unpack(t->corner_normals[c]).z;
+                sum += along * along / 3.0;
+            }
+            sides++;
+            straight += t->radius_m == 0.0f && fabs(t->flat_m2 - 1.0) < 0.1;
+        }
+        print_message("%u strips in %u: off the radial %.4f rad, along %.5f r.m.s., %.3f of it "
+                      "straight along 1 m\n",
+                      tubes[i].strips, tubes[i].pieces, most, sqrt(sum / sides), straight / sides);
+        assert_true(most < 0.15 * 2.0 * PI / tubes[i].strips);
+        assert_true(sqrt(sum / sides) < tubes[i].rms_rad);
+        assert_true(straight == sides);
+        asdic_scene_destroy(&scene);
+    }
+}
+
 /* Strips of 1 m that turn by so much from one to the next, each in CUTS along its width. */
 static asdic_scene *folded(const double *lengths_m, const double *turns_rad, int strips, int cuts) {
     enum { MOST = 16 };
@@ -376,6 +470,7 @@ int main(void) {
         cmocka_unit_test(neighbours_are_no_twins),
         cmocka_unit_test(a_cylinder_is_straight_one_way),
         cmocka_unit_test(fine_strips_leave_a_capped_cylinder_round),
+        cmocka_unit_test(uneven_tubes_are_round_and_straight),
         cmocka_unit_test(an_edge_leaves_its_face_flat),
         cmocka_unit_test(facets_wound_either_way_are_one_body),
         cmocka_unit_test(other_laws_stay_flat),
