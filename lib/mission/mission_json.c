@@ -85,7 +85,7 @@ static asdic_status print_file(asdic_context *ctx, const char *path, asdic_arena
     char *bytes = NULL;
     size_t size = 0, length = 0;
     asdic_yaml_node *root = NULL;
-    TRY(asdic_file_read(ctx, path, ASDIC_MOST_SCENE_BYTES, &bytes, &size));
+    TRY(asdic_file_read_piped(ctx, path, ASDIC_MOST_SCENE_BYTES, &bytes, &size));
     char *text = asdic_text_to_utf8(bytes, size, &length);
     free(bytes);
     bool has_memory = text && asdic_yaml_read(text, length, arena, problems, &root);

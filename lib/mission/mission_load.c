@@ -41,7 +41,7 @@ static asdic_status read_text(asdic_context *ctx, asdic_mission *m, size_t *leng
                           "run.json",
                           m->path);
     }
-    TRY(asdic_file_read(ctx, m->path, ASDIC_MOST_SCENE_BYTES, &bytes, &size));
+    TRY(asdic_file_read_piped(ctx, m->path, ASDIC_MOST_SCENE_BYTES, &bytes, &size));
     asdic_status status = keep_text(ctx, m, bytes, size, length);
     free(bytes);
     return status;

@@ -82,7 +82,7 @@ static asdic_status add_scene(inputs *in, const char *bytes, size_t size) {
 static asdic_status add_inputs(inputs *in) {
     char *bytes = NULL;
     size_t size = 0;
-    TRY(asdic_file_read(in->ctx, in->scene, SIZE_MAX, &bytes, &size));
+    TRY(asdic_file_read_piped(in->ctx, in->scene, SIZE_MAX, &bytes, &size));
     asdic_status status = add_scene(in, bytes, size);
     free(bytes);
     return status;

@@ -3,10 +3,10 @@
 #include "base/try.h"
 
 #include "../base/context.h"
+#include "base/file_read.h"
 #include "base/number.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -14,7 +14,6 @@
 #include <string.h>
 #include <strings.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 asdic_status asdic_mesh_scan_fail(const asdic_mesh_scan *scan, size_t line, const char *format,
                                   ...) {
@@ -120,9 +119,6 @@ static asdic_status read_stream(asdic_mesh_scan *scan, FILE *file) {
     if (fstat(fileno(file), &info) != 0) {
         return asdic_fail(scan->ctx, ASDIC_ERROR_IO, "%s: %s", scan->path, strerror(errno));
     }
-    if (!S_ISREG(info.st_mode)) {
-        return asdic_fail(scan->ctx, ASDIC_ERROR_INPUT, "%s: not a regular file", scan->path);
-    }
     scan->text = malloc((size_t)info.st_size + 1);
     if (!scan->text) {
         return asdic_fail(scan->ctx, ASDIC_ERROR_MEMORY, "%s: out of memory for %lld bytes",
@@ -158,15 +154,8 @@ asdic_status asdic_mesh_scan_open(asdic_context *ctx, const char *path, asdic_me
     if (!out->c_locale) {
         return asdic_fail_memory(ctx, "the C locale");
     }
-    int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); /* a pipe would wait for its writer */
-    FILE *file = fd >= 0 ? fdopen(fd, "rb") : NULL;
-    if (!file) {
-        int error = errno;
-        if (fd >= 0) {
-            close(fd);
-        }
-        return asdic_fail(ctx, ASDIC_ERROR_INPUT, "%s: cannot open: %s", path, strerror(error));
-    }
+    FILE *file;
+    TRY(asdic_file_open(ctx, path, &file));
     asdic_status status = read_stream(out, file);
     fclose(file);
     return status;

@@ -144,14 +144,14 @@ static void a_dash_is_standard_input(void **state) {
     assert_int_equal(write(ends[1], "depth", 5), 5);
     close(ends[1]);
     assert_int_equal(dup2(ends[0], STDIN_FILENO), STDIN_FILENO);
-    assert_int_equal(asdic_file_read(NULL, "-", 5, &data, &bytes), ASDIC_OK);
+    assert_int_equal(asdic_file_read_piped(NULL, "-", 5, &data, &bytes), ASDIC_OK);
     assert_int_equal(bytes, 5);
     assert_string_equal(data, "depth");
     free(data);
     dup2(saved, STDIN_FILENO);
     close(saved);
     close(ends[0]);
-    assert_int_equal(asdic_file_read(NULL, "--", 5, &data, &bytes), ASDIC_ERROR_INPUT);
+    assert_int_equal(asdic_file_read_piped(NULL, "--", 5, &data, &bytes), ASDIC_ERROR_INPUT);
 }
 
 static void files_are_read_whole_or_refused(void **state) {
