@@ -120,7 +120,9 @@ static void check_value(const asdic_table *table, const asdic_key *key, double v
     }
     char *errors = errors_with(table, key, text.data);
     char expected[160];
-    snprintf(expected, sizeof expected, "'%s' = %s is out of range [%.15g, %.15g]%s%s  [",
+    snprintf(expected, sizeof expected,
+             key->max >= 1e15 ? "'%s' = %s is out of range [%.0f, %.0f]%s%s  ["
+                              : "'%s' = %s is out of range [%.15g, %.15g]%s%s  [",
              key->name, number, key->min, key->max, key->unit ? " " : "",
              key->unit ? key->unit : "");
     if (good ? *errors != '\0' : strncmp(errors, expected, strlen(expected)) != 0) {

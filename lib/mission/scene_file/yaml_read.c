@@ -46,12 +46,17 @@ static void report_undecodable(yaml_reader *r) {
 
 static void report_syntax(yaml_reader *r) {
     const yaml_parser_t *p = &r->parser;
-    unsigned line = (unsigned)p->problem_mark.line + 1;
-    unsigned column = (unsigned)p->problem_mark.column + 1;
+    /* A key without its colon is missed only where the next one stands. */
+    bool is_key = p->context && strcmp(p->context, "while scanning a simple key") == 0;
+    const yaml_mark_t *at = is_key ? &p->context_mark : &p->problem_mark;
+    unsigned line = (unsigned)at->line + 1, column = (unsigned)at->column + 1;
     if (p->error == YAML_SCANNER_ERROR && p->buffer.pointer && *p->buffer.pointer == '\t') {
         asdic_problems_add(
             r->problems, line, column,
             "not valid YAML: a tab cannot begin a key or a value; indent with spaces");
+    } else if (is_key) {
+        asdic_problems_add(r->problems, line, column, "not valid YAML: %s after this key",
+                           p->problem);
     } else if (p->context) {
         asdic_problems_add(r->problems, line, column,
                            "not valid YAML: %s, %s that began at %zu:%zu", p->problem, p->context,
