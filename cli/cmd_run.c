@@ -177,6 +177,9 @@ static void say_errors(cli *c, const char *folder) {
                  "%.2g%s",
                  e.rms_db, e.median_db, e.worst_db,
                  e.rms_db > ASDIC_ROUGH_DB ? ": take more rays, --rays N" : "");
+    } else if (!isnan(e.median_db)) {
+        cli_note(c, "no bin is above the noise; of all, stated error median %.2g dB, worst %.2g",
+                 e.median_db, e.worst_db);
     }
     asdic_run_close(&run);
 }

@@ -66,13 +66,15 @@ static void remark_rays(const asdic_mission *m, asdic_remarks *out) {
     asdic_ray_forecast f = asdic_mission_ray_forecast(m);
     if (f.is_rough && out->count < ASDIC_MOST_REMARKS) {
         char more[64] = "";
-        if (f.auto_rays > f.rays) {
+        if (f.is_auto) { /* and few all the same: as many as it ever takes */
+            snprintf(more, sizeof more, "; --rays or --tolerance takes more");
+        } else if (f.auto_rays > f.rays) {
             snprintf(more, sizeof more, "; 'rays: auto' would take %u", f.auto_rays);
         }
         snprintf(out->text[out->count++], ASDIC_REMARK_SIZE,
-                 "rays: %u a ping are few for this sonar and scene: expect a stated error of about "
-                 "%.1f dB r.m.s.%s",
-                 f.rays, f.stderr_db, more);
+                 "rays: %u a ping%s are few for this sonar and scene: expect a stated error of "
+                 "about %.1f dB r.m.s.%s",
+                 f.rays, f.is_auto ? ", the most that 'auto' takes," : "", f.stderr_db, more);
     }
 }
 
@@ -101,9 +103,12 @@ static void remark_on_sonar(const asdic_settings *settings, double speed_mps, as
                  sonar->transmitter.length_v_m / wavelength_m);
     }
     if (out->count < ASDIC_MOST_REMARKS && !settings->has_source_level) {
-        snprintf(
-            out->text[out->count++], ASDIC_REMARK_SIZE,
-            "sonar: no 'source_level_db': levels are those of a source of 0 dB re 1 uPa at 1 m");
+        snprintf(out->text[out->count++], ASDIC_REMARK_SIZE,
+                 "sonar: no 'source_level_db': %s are those of a source of 0 dB re 1 uPa at 1 m%s",
+                 sonar->noise_enabled ? "echoes" : "levels",
+                 sonar->noise_enabled ? ", far below the noise, which is absolute; give one, or "
+                                        "'noise: {enabled: false}'"
+                                      : "");
     }
 }
 

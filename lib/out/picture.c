@@ -69,7 +69,7 @@ void asdic_picture_subtitle(const asdic_sonar *sonar, double bin_length_m, char 
     asdic_digits_print(source, "%.5g", sonar->source_level_db);
     snprintf(
         text, ASDIC_SUBTITLE_SIZE,
-        sonar->source_level_db == 0.0
+        sonar->source_level_db == 0.0 && !sonar->noise_enabled /* which is absolute */
             ? "%s kHz, bandwidth %s kHz  \u00b7  bins of %s m  \u00b7  levels re an SL of %s dB"
             : "%s kHz, bandwidth %s kHz  \u00b7  bins of %s m  \u00b7  source level %s dB re "
               "1 \u00b5Pa at 1 m",

@@ -340,9 +340,13 @@ def test_motion_within_a_ping_is_remarked_on():
 
 def test_a_missing_source_level_is_remarked_on():
     without = MINIMAL.replace("  source_level_db: 0\n", "")
+    quiet = without.replace("sonar:\n", "sonar:\n  noise: {enabled: false}\n")
     tap.equal(remarks_on(MINIMAL), "")
-    tap.equal(remarks_on(without), "remark: sonar: no 'source_level_db': levels are those of a source "
-                                   "of 0 dB re 1 uPa at 1 m\n")
+    tap.equal(remarks_on(quiet), "remark: sonar: no 'source_level_db': levels are those of a source of 0 dB re 1 uPa at "
+                                 "1 m\n")
+    tap.equal(remarks_on(without), "remark: sonar: no 'source_level_db': echoes are those of a source of 0 dB re 1 uPa "
+                                   "at 1 m, far below the noise, which is absolute; give one, or 'noise: {enabled: "
+                                   "false}'\n")
     with folder(own_yaml="frequency_khz: 100\nsource_level_db: 0\nreceivers: [{name: a}]\n") as at:
         path = pathlib.Path(at, "scene.yaml")
         path.write_text("version: 1\nbottom: {depth_m: 12}\nsonar: {file: own.yaml}\n"
@@ -489,6 +493,24 @@ def test_waypoints_are_flown_and_written():
         tap.equal(pathlib.Path(at, "v.csv").read_text().splitlines(), lines, "to the standard output by its name")
 
 
+def quick(*command):
+    """As asdic, but a command that waits for input is a failure."""
+    done = subprocess.run([program.PATH, *command], capture_output=True, text=True, check=False, timeout=60)
+    tap.equal((done.returncode, done.stdout), (3, ""))
+    return done.stderr
+
+
+def test_a_key_without_its_colon_is_named():
+    """libyaml misses the colon where the next key's stands."""
+    done = asdic("check", "-", stdin=MINIMAL.replace("source_level_db: 0", "source_level_db 0")).check(3)
+    tap.contains(done.err, "stdin:5:3: error: not valid YAML: could not find expected ':' after this key")
+
+
+def test_limits_of_whole_numbers_are_whole():
+    done = asdic("check", "-", stdin=MINIMAL + "sampling: {seed: -1}\n").check(3)
+    tap.contains(done.err, "'seed' = -1 is out of range [0, 9007199254740992]")
+
+
 def test_odd_inputs_are_refused():
     for path, words in (("/nonexistent/a.yaml", "cannot open"), ("/tmp", "Is a directory"),
                         ("/dev/null", "the file is empty")):
@@ -497,6 +519,18 @@ def test_odd_inputs_are_refused():
         tap.contains(done.err, words)
     tap.contains(asdic("plan", "/tmp").check(3).err, "Is a directory; give a scene file")
     grid = MINIMAL.replace("depth_m: 12", "grid: g.nc")
+    with folder(s_yaml=re.sub(r"mission:.*", "mission: {track: t}", MINIMAL, flags=re.DOTALL)) as at:
+        track = pathlib.Path(at, "t")
+        os.mkfifo(track)
+        tap.contains(quick("check", f"{at}/s.yaml"), "t: not a regular file")
+        track.unlink()
+        track.symlink_to("/dev/zero")
+        tap.contains(quick("check", f"{at}/s.yaml"), "t: not a regular file")
+        os.mkfifo(f"{at}/m.obj")
+        tap.contains(quick("check", f"{at}/m.obj"), "m.obj: not a regular file")
+        piped = subprocess.run(["bash", "-c", '"$0" check <(printf "%s" "$1")', program.PATH, MINIMAL],
+                               capture_output=True, text=True, check=False, timeout=60)
+        tap.contains(piped.stdout, ": a valid scene")
     with folder(a_dae="<x/>", g_nc=b"CDF\x02\0\0\0\0", s_yaml=grid) as at:
         tap.contains(asdic("check", "a.dae", cwd=at).err, "'.dae' is not a mesh format")
         words = "netCDF grids are not supported yet in this version; 'gdal_translate -of AAIGrid"

@@ -120,8 +120,8 @@ def test_rays_follow_the_sonar():
         # As many as there are at all are few for so many bins.
         many = text.replace("count: 64", "count: 1024").replace("length_h_m: 0.3", "length_h_m: 5")
         said = asdic("check", folder.write("many.yaml", many.replace("ping_rate_hz: 20", "ping_rate_hz: 1"))).check(0).err
-        tap.contains(said, "a ping are few for this sonar")
-        tap.lacks(said, "would take")
+        tap.contains(said, "rays: 524288 a ping, the most that 'auto' takes, are few for this sonar")
+        tap.contains(said, "; --rays or --tolerance takes more")
 
 
 def test_times_are_said():
@@ -258,9 +258,12 @@ def test_levels_without_a_source_level_say_so():
     with Folder() as folder:
         path = scene(folder, pings=2)
         text = data(folder, "", "pool.yaml").decode().replace("  source_level_db: 200\n", "")
-        asdic("run", folder.write("pool.yaml", text), "-o", folder / "r").check(code=0)
-        tap.contains(png_texts(data(folder, "r", "waterfall_forward.png"))["Description"],
-                     "levels re an SL of 0 dB")
+        for noise, shown, said in (("false", "levels re an SL of 0 dB", "stated error"),
+                                   ("true", "source level 0 dB re 1 \u00b5Pa at 1 m", "no bin is above the noise")):
+            quiet = text.replace("sonar:\n", f"sonar:\n  noise: {{enabled: {noise}}}\n")
+            done = asdic("run", folder.write("pool.yaml", quiet), "-o", folder / noise).check(code=0)
+            tap.contains(png_texts(data(folder, noise, "waterfall_forward.png"))["Description"], shown)
+            tap.contains(done.err, said)
 
 
 def test_pictures_say_and_show_what_they_should():

@@ -481,6 +481,10 @@ static void words_say_what_is_shown(void **state) {
     assert_string_equal(text, "123.456 kHz, bandwidth 12.5 kHz  \u00b7  bins of 0.0375 m  \u00b7  "
                               "source level 217.5 dB re 1 \u00b5Pa at 1 m");
     sonar.source_level_db = 0.0;
+    sonar.noise_enabled = true;
+    asdic_picture_subtitle(&sonar, 0.0375, text);
+    assert_non_null(strstr(text, "source level 0 dB re 1 \u00b5Pa at 1 m"));
+    sonar.noise_enabled = false;
     asdic_picture_subtitle(&sonar, 0.0375, text);
     assert_string_equal(text, "123.456 kHz, bandwidth 12.5 kHz  \u00b7  bins of 0.0375 m  \u00b7  "
                               "levels re an SL of 0 dB");

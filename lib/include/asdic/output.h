@@ -55,8 +55,9 @@ typedef struct asdic_picture_options {
 ASDIC_API asdic_picture_options asdic_picture_options_default(void);
 
 /* What the levels of a picture hang on, for its subtitle: "750 kHz, bandwidth 186 kHz, bins of
- * 0.1 m, source level 200 dB re 1 uPa at 1 m"; where the source level is 0 dB, that levels are re
- * it. TEXT has room for ASDIC_SUBTITLE_SIZE characters; empty without a sonar. */
+ * 0.1 m, source level 200 dB re 1 uPa at 1 m"; where the source level is 0 dB and there is no
+ * noise, which is absolute, that levels are re it. TEXT has room for ASDIC_SUBTITLE_SIZE
+ * characters; empty without a sonar. */
 #define ASDIC_SUBTITLE_SIZE 256
 ASDIC_API void asdic_picture_subtitle(const asdic_sonar *sonar, double bin_length_m, char *text);
 
