@@ -1,4 +1,4 @@
-"""The scripts of docs/gallery draw their pictures, here of few rays."""
+"""The scripts of docs/gallery draw the pictures that are kept beside them."""
 import contextlib
 import glob
 import io
@@ -12,6 +12,7 @@ from package import ROOT, need_device
 import tap
 
 GALLERY = os.path.join(ROOT, "docs", "gallery")
+MOST_PIXELS = 20  # of another colour; a digit of a title has more
 SCRIPTS = sorted(glob.glob(os.path.join(GALLERY, "*.py")))
 
 
@@ -23,12 +24,25 @@ def check_maps(pyplot):
             tap.equal(ax.xaxis_inverted() != ax.yaxis_inverted(), along == "north, m", "one axis is turned round")
 
 
-def drawn(script, size):
-    """What SCRIPT prints while it draws a picture. All share this process, since importing takes its time."""
+def check_same(picture, script):
+    """PICTURE is the one that is kept of SCRIPT, where the same matplotlib drew that: others set type otherwise, and
+    devices round otherwise, which moves a curve by part of a pixel."""
+    kept = script[:-3] + ".png"
+    with open(kept, "rb") as file:
+        if f"version{sys.modules['matplotlib'].__version__}," not in file.read().decode("latin-1"):
+            return
+    seen, wanted = (sys.modules["matplotlib.pyplot"].imread(path)[..., :3] for path in (picture, kept))
+    tap.equal(seen.shape, wanted.shape, f"pixels of {kept}")
+    others = (abs(seen - wanted).max(axis=-1) > 0.1).sum()
+    tap.equal(others < MOST_PIXELS, True, f"{others} pixels of {kept} are others: python3 {script} {kept}\nsame")
+
+
+def drawn(script):
+    """What SCRIPT prints while it draws its picture. All share this process, since importing takes its time."""
     need_device()
     with tempfile.TemporaryDirectory(prefix="asdic-test-") as folder:
         picture, said = os.path.join(folder, "a.png"), io.StringIO()
-        sys.argv[1:] = [picture, str(size)]
+        sys.argv[1:] = [picture]
         try:
             with contextlib.redirect_stdout(said):
                 runpy.run_path(script, run_name="__main__")
@@ -43,6 +57,7 @@ def drawn(script, size):
         with open(picture, "rb") as file:
             content = file.read()
         tap.equal((content[:4], len(content) > 5000), (b"\x89PNG", True), "a picture")
+        check_same(picture, script)
         return said.getvalue()
 
 
@@ -58,14 +73,14 @@ def test_seven_scripts_have_their_pictures():
 
 
 def test_the_controller_finds_its_way():
-    printed = drawn(os.path.join(GALLERY, "avoid.py"), 2000)
+    printed = drawn(os.path.join(GALLERY, "avoid.py"))
     north, nearest = re.search(r"(\d+) m north, never nearer than ([\d.]+) m", printed).groups()
     tap.equal((int(north) >= 109, float(nearest) > 1.5), (True, True), printed)
 
 
 def add(script):
     def test():
-        drawn(script, 1000)
+        drawn(script)
     globals()[f"test_{os.path.basename(script)[:-3]}"] = test
 
 
