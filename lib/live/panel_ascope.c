@@ -90,8 +90,8 @@ static void curve(const scope *s, const float *level_db, const curve_look *look)
         double y =
             fmin(fmax(y_of(s, (double)level_db[n]), s->box.y - 50.0), s->box.y + s->box.h + 50.0);
         bool is_alone = !drawing && !(n + 1 < s->bins && isfinite(level_db[n + 1]));
-        double x = x_of(s, n), half = s->p->scale;
-        if (is_alone) { /* a dot */
+        double x = x_of(s, n), half = fmax(s->p->scale, 0.5 * s->box.w / (double)s->bins);
+        if (is_alone) { /* as wide as its bin */
             cairo_move_to(cr, x - half, y);
             cairo_line_to(cr, x + half, y);
         } else if (drawing) {

@@ -76,26 +76,39 @@ static bool has_curve(const asdic_ascope *beams, size_t beam_count, size_t curve
     return false;
 }
 
+/* A curve has a point a bin, at its centre; of a single bin it has two, at its ends, to be seen. */
+static size_t point_count(const asdic_ascope *beam) {
+    return beam->bins == 1 ? 2 : beam->bins;
+}
+
+static size_t bin_of(const asdic_ascope *beam, size_t point) {
+    return beam->bins == 1 ? 0 : point;
+}
+
+static double range_of(const asdic_ascope *beam, size_t point) {
+    return ((double)point + (beam->bins == 1 ? 0.0 : 0.5)) * beam->bin_length_m;
+}
+
 /* Fills the curves of BEAM into NUMBERS, which holds CURVES + 1 arrays: x, then each curve. A curve
  * that only other beams have stays without points, for the legend. */
 static size_t collect(const asdic_ascope *beam, const bool shown[CURVES],
                       asdic_series series[CURVES], double *numbers) {
-    size_t count = 0;
-    for (size_t i = 0; i < beam->bins; i++) {
-        numbers[i] = ((double)i + 0.5) * beam->bin_length_m;
+    size_t count = 0, points = point_count(beam);
+    for (size_t i = 0; i < points; i++) {
+        numbers[i] = range_of(beam, i);
     }
     for (size_t k = 0; k < CURVES; k++) {
         const float *levels_db = levels_of(beam, k);
-        double *y = numbers + (k + 1) * beam->bins;
+        double *y = numbers + (k + 1) * points;
         if (!shown[k]) {
             continue;
         }
         series[count] = curves[k].look;
         series[count].x = numbers;
         series[count].y = y;
-        series[count].count = levels_db ? beam->bins : 0;
+        series[count].count = levels_db ? points : 0;
         for (size_t n = 0; n < series[count].count; n++) {
-            y[n] = (double)levels_db[n];
+            y[n] = (double)levels_db[bin_of(beam, n)];
             /* Echoes of objects and multipath are short: they rise from the panel's floor and do not float. */
             if ((k == OBJECT || k == MULTIPATH) && !isfinite(y[n])) {
                 y[n] = NOWHERE_DB;
@@ -158,20 +171,21 @@ static asdic_status height_of(asdic_context *ctx, const asdic_ascope *beam, doub
 
 /* Adds what BEAM has more than it is expected to have. */
 static asdic_status add_residual(asdic_context *ctx, const asdic_ascope *beam, residuals *r) {
-    double *numbers = malloc(2 * beam->bins * sizeof *numbers);
+    size_t points = point_count(beam);
+    double *numbers = malloc(2 * points * sizeof *numbers);
     if (!numbers) {
         return asdic_fail_memory(ctx, "an A-scope");
     }
     size_t k = r->count++;
     r->numbers[k] = numbers;
-    for (size_t i = 0; i < beam->bins; i++) {
-        numbers[i] = ((double)i + 0.5) * beam->bin_length_m;
-        numbers[beam->bins + i] = residual_db(beam, i);
+    for (size_t i = 0; i < points; i++) {
+        numbers[i] = range_of(beam, i);
+        numbers[points + i] = residual_db(beam, bin_of(beam, i));
     }
     r->series[k] = (asdic_series){.label = beam->title,
                                   .x = numbers,
-                                  .y = numbers + beam->bins,
-                                  .count = beam->bins,
+                                  .y = numbers + points,
+                                  .count = points,
                                   .rgb = beam_colors[k],
                                   .width = 1.0};
     return ASDIC_OK;
@@ -194,7 +208,7 @@ static void scope_finish(scope *s) {
 
 static asdic_status add_panel(asdic_context *ctx, scope *s, size_t i, const asdic_ascope *beam,
                               const bool shown[CURVES], const asdic_picture_options *options) {
-    s->numbers[i] = malloc((CURVES + 1) * beam->bins * sizeof *s->numbers[i]);
+    s->numbers[i] = malloc((CURVES + 1) * point_count(beam) * sizeof *s->numbers[i]);
     if (!s->numbers[i]) {
         return asdic_fail_memory(ctx, "an A-scope");
     }

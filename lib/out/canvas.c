@@ -3,6 +3,7 @@
 #include "base/context.h"
 #include "base/try.h"
 #include "base/vec.h"
+#include "base/words.h"
 #include "draw.h"
 #include "file.h"
 #include "png_file.h"
@@ -144,6 +145,7 @@ static void set_font(cairo_t *cr, double size_px, bool bold) {
 }
 
 #define LONGEST_TEXT 1024
+#define SMALLEST_PX 10.0 /* of what is made to fit */
 
 /* TEXT without bytes that are no text in UTF-8, as of a character that was cut, behind which cairo
  * would draw nothing. */
@@ -193,16 +195,45 @@ void asdic_canvas_text(asdic_canvas *c, asdic_text where, const char *text) {
     cairo_new_path(c->cr); /* the current point would start the next line */
 }
 
-void asdic_canvas_text_fit(asdic_canvas *c, asdic_text where, const char *text,
-                           double max_width_px) {
+static double width_of(asdic_canvas *c, const asdic_text *where, const char *text) {
     cairo_text_extents_t extents;
     char room[LONGEST_TEXT];
     cairo_save(c->cr);
-    set_font(c->cr, where.size_px, where.bold);
+    set_font(c->cr, where->size_px, where->bold);
     cairo_text_extents(c->cr, clean(text, room), &extents);
     cairo_restore(c->cr);
-    if (extents.x_advance > max_width_px) {
-        where.size_px = fmax(10.0, floor(where.size_px * max_width_px / extents.x_advance));
+    return extents.x_advance;
+}
+
+/* The first and the last of TEXT, about KEPT bytes in all, with an ellipsis between. */
+static void cut_middle(const char *text, size_t kept, char out[LONGEST_TEXT]) {
+    size_t length = strlen(text), begin = asdic_words_cut(text, length, kept / 2);
+    const char *end = text + length - kept / 2;
+    while (((unsigned char)*end & 0xc0) == 0x80) { /* within a character */
+        end++;
+    }
+    snprintf(out, LONGEST_TEXT, "%.*s\u2026%s", (int)begin, text, end);
+}
+
+void asdic_canvas_text_fit(asdic_canvas *c, asdic_text where, const char *text,
+                           double max_width_px) {
+    char cut[LONGEST_TEXT];
+    double width_px = width_of(c, &where, text);
+    while (width_px > max_width_px &&
+           where.size_px > SMALLEST_PX) { /* letters do not shrink evenly */
+        double next_px = floor(where.size_px * max_width_px / width_px);
+        where.size_px = fmax(SMALLEST_PX, fmin(next_px, where.size_px - 1.0));
+        width_px = width_of(c, &where, text);
+    }
+    if (width_px > max_width_px) {
+        size_t fits = 0, kept = strlen(text);
+        while (kept - fits > 1) { /* between what fits and what does not */
+            size_t middle = (fits + kept) / 2;
+            cut_middle(text, middle, cut);
+            *(width_of(c, &where, cut) > max_width_px ? &kept : &fits) = middle;
+        }
+        cut_middle(text, fits, cut);
+        text = cut;
     }
     asdic_canvas_text(c, where, text);
 }

@@ -118,10 +118,12 @@ static void name_beams(asdic_canvas *c, asdic_box box, const asdic_overview *o,
 
 static void note_groups(char note[ASDIC_NOTE_SIZE], const asdic_overview *o,
                         const asdic_picture_options *options) {
-    char above[64];
+    char above[128];
     asdic_draw_note(note, options, NULL);
-    snprintf(above, sizeof above, "white: no echo %.0f dB above the noise",
-             ASDIC_OVERVIEW_ABOVE_NOISE_DB);
+    snprintf(above, sizeof above,
+             "white: no echo %.0f dB above the noise or %.1f dB and its error above its "
+             "neighbourhood",
+             ASDIC_OVERVIEW_ABOVE_NOISE_DB, ASDIC_OVERVIEW_ABOVE_REST_DB);
     asdic_draw_note_add(note, above);
     if (o->ping_group > 1 || o->beam_group > 1) {
         char text[128];

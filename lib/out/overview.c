@@ -47,8 +47,6 @@ void asdic_overview_set_gain(asdic_overview *o, double db_per_decade, double db_
     }
 }
 
-#define LEAST_PROMINENCE_DB 0.5
-
 /* Whether levels fall by DROP_DB from BIN on, towards the last bin or (STEP -1) the first, before
  * they rise above its own; AT_END where they do neither. */
 static bool falls(const asdic_overview *o, const float *levels_db, size_t bin, int step,
@@ -70,7 +68,7 @@ static bool falls(const asdic_overview *o, const float *levels_db, size_t bin, i
  * last bin is not known: where the gain outdoes the fall of the reverberation it is the strongest
  * without an echo. */
 static bool is_peak(const asdic_overview *o, const float *levels_db, size_t bin, double error_db) {
-    double drop_db = fmax(LEAST_PROMINENCE_DB, error_db); /* NAN: not known */
+    double drop_db = fmax(ASDIC_OVERVIEW_ABOVE_REST_DB, error_db); /* NAN: not known */
     return o->bins < 3 || (falls(o, levels_db, bin, 1, drop_db, false) &&
                            falls(o, levels_db, bin, -1, drop_db, true));
 }

@@ -27,13 +27,14 @@ void asdic_overview_finish(asdic_overview *overview);
 
 /* An echo stands at least so much above the noise. */
 #define ASDIC_OVERVIEW_ABOVE_NOISE_DB 10.0
+/* And so much, and its sampling error, out of its neighbourhood. */
+#define ASDIC_OVERVIEW_ABOVE_REST_DB 0.5
 
 /* A time-varied gain that counts in what is strongest; before the first ping. */
 void asdic_overview_set_gain(asdic_overview *overview, double db_per_decade, double db_per_m);
 
 /* The next ping, LEVELS_DB[beam * bins + bin], its noise, NAN where there is none, and its sampling
- * errors, NAN where they are not known. An echo stands out of its neighbourhood by more than its
- * error, and by half a decibel. */
+ * errors, NAN where they are not known. */
 void asdic_overview_add(asdic_overview *overview, const float *levels_db, const float *noise_db,
                         const float *stderr_db);
 

@@ -39,6 +39,13 @@ bool asdic_beams_make_fan(const asdic_sonar *sonar) {
     return sonar->receiver_count >= 3 && asdic_beams_in_fan(sonar) == sonar->receiver_count;
 }
 
+/* A STEP between the outer beams' bearings and their neighbours', or the smaller one over the seam of a fan that goes
+ * round: where they meet there, they meet half-way. */
+static double outer_step(const asdic_fan *fan, double step) {
+    double gap = 2.0 * ASDIC_PI - fabs(fan->bearing_rad[fan->beams - 1] - fan->bearing_rad[0]);
+    return gap >= 0.0 && gap < (1.0 - 1e-9) * fabs(step) ? copysign(gap, step) : step;
+}
+
 /* Half-way bearings between neighbours; the outer beams are as wide outside as inside. */
 static double edge_of(const asdic_fan *fan, size_t edge) {
     const double *bearing = fan->bearing_rad;
@@ -47,10 +54,10 @@ static double edge_of(const asdic_fan *fan, size_t edge) {
         return bearing[0] + (edge == 0 ? -LONE_BEAM_RAD : LONE_BEAM_RAD);
     }
     if (edge == 0) {
-        return bearing[0] - 0.5 * (bearing[1] - bearing[0]);
+        return bearing[0] - 0.5 * outer_step(fan, bearing[1] - bearing[0]);
     }
     if (edge == n) {
-        return bearing[n - 1] + 0.5 * (bearing[n - 1] - bearing[n - 2]);
+        return bearing[n - 1] + 0.5 * outer_step(fan, bearing[n - 1] - bearing[n - 2]);
     }
     return 0.5 * (bearing[edge - 1] + bearing[edge]);
 }
@@ -74,7 +81,8 @@ asdic_sector asdic_sector_of(const asdic_fan *fan, double radius_px) {
     double low = fmin(first, last), high = fmax(first, last);
     double middle = 0.5 * (low + high), half = fmin(0.5 * (high - low), ASDIC_PI);
     asdic_sector s = {.radius_px = radius_px, .low_rad = low, .high_rad = high};
-    if (half == ASDIC_PI) { /* once round */
+    if (half > (1.0 - 1e-9) * ASDIC_PI) { /* once round */
+        half = ASDIC_PI;
         s.low_rad = middle - half;
         s.high_rad = middle + half;
     }

@@ -523,6 +523,10 @@ static void check_sector(const double *bearing_deg, size_t beams, double radius_
     }
     edges[0] = beams > 1 ? 2.0 * bearing[0] - edges[1] : bearing[0] - DEGREE;
     edges[beams] = beams > 1 ? 2.0 * bearing[beams - 1] - edges[beams - 1] : bearing[0] + DEGREE;
+    /* Over the seam, too, no farther than half-way. */
+    double seam = 0.5 * (bearing[beams - 1] + bearing[0] + 360.0 * DEGREE);
+    edges[0] = fmax(edges[0], seam - 360.0 * DEGREE);
+    edges[beams] = fmin(edges[beams], seam);
     double low = edges[0], high = edges[beams];
     if (high - low > 360.0 * DEGREE) {
         low = 0.5 * (low + high) - 180.0 * DEGREE;
@@ -577,6 +581,7 @@ static void pixels_belong_to_beams(void **state) {
     check_sector((const double[]){-140.0, -60.0, 10.0, 80.0, 150.0}, 5, 21.7);
     check_sector((const double[]){-180.0, -90.0, 0.0, 90.0, 180.0}, 5, 16.0);
     check_sector((const double[]){3.0}, 1, 60.0);
+    check_sector((const double[]){0.0, 90.0, 270.0}, 3, 30.0);
     /* Astern, aside all round, and turned a whole turn. */
     check_sector((const double[]){120.0, 150.0, 180.0, 210.0, 240.0}, 5, 31.3);
     check_sector((const double[]){-90.0, 0.0, 90.0, 180.0, 270.0}, 5, 16.0);

@@ -427,6 +427,14 @@ static void ascope_shows_residuals_and_lone_echoes(void **state) {
         assert_true(residual >= 1 && residual <= 3); /* one level line, nearly as long as the box */
         assert_true(tall > 200);                     /* from -160 to -80 dB and back */
     }
+    size_t width, height;
+    scope.bins = 1; /* as wide as the box */
+    scope.bin_length_m = 50.0;
+    assert_int_equal(asdic_picture_ascope(ctx, file_in_folder("p.png"), &scope, 1, &options),
+                     ASDIC_OK);
+    uint8_t *rgb = decode(file_in_folder("p.png"), PNG_FORMAT_RGB, &width, &height);
+    assert_true(count_color(rgb, width * height, 0xb4b4b4) > 900); /* the total, bold */
+    free(rgb);
 }
 
 /* A second line of the title makes the page taller by its own height, and is drawn in grey. */

@@ -23,6 +23,36 @@ static void texts_lose_what_is_no_text(void **state) {
     cairo_surface_destroy(surface);
 }
 
+/* A text too long for its room is smaller, and in the end without its middle; its ends stay. */
+static void long_texts_lose_their_middle(void **state) {
+    (void)state;
+    static const struct {
+        const char *part;
+        int count;
+    } middles[] = {{"", 0}, {"xxx", 8}, {"\u00e9", 100}}; /* whole, smaller, cut */
+    char text[256];
+    asdic_canvas canvas = {0};
+    cairo_surface_t *surface = cairo_image_surface_create(CAIRO_FORMAT_ARGB32, 100, 20);
+    canvas.cr = cairo_create(surface);
+    for (int i = 0; i < 3; i++) {
+        int used = snprintf(text, sizeof text, "begin");
+        for (int k = 0; k < middles[i].count; k++) {
+            used += snprintf(text + used, sizeof text - (size_t)used, "%s", middles[i].part);
+        }
+        snprintf(text + used, sizeof text - (size_t)used, ": end");
+        word_count = 0;
+        asdic_canvas_text_fit(&canvas, (asdic_text){.size_px = 15.0}, text, 220.0);
+        assert_true(word_count == 1 && words[0].width < 221.0);
+        const char *dots = strstr(words[0].text, "\u2026");
+        assert_true((dots != NULL) == (i == 2));
+        assert_true(strncmp(words[0].text, "begin", 5) == 0);
+        assert_string_equal(words[0].text + strlen(words[0].text) - 5, ": end");
+        assert_true(i < 2 || (words[0].width > 205.0 && !strstr(words[0].text, "\xc3\u2026")));
+    }
+    cairo_destroy(canvas.cr);
+    cairo_surface_destroy(surface);
+}
+
 /* Of DB, where colours go from 0 to 100 dB. */
 static uint32_t colour_of(const asdic_view *v, double db) {
     return asdic_colormap_rgb(v->look.colormap, (unsigned)(db * 2.56));
@@ -499,6 +529,7 @@ int main(void) {
         cmocka_unit_test(words_lie_within_the_frame),
         cmocka_unit_test(words_keep_clear_of_each_other),
         cmocka_unit_test(texts_lose_what_is_no_text),
+        cmocka_unit_test(long_texts_lose_their_middle),
         cmocka_unit_test(the_newest_ping_is_on_top),
         cmocka_unit_test(the_scope_shows_the_chosen_beam),
         cmocka_unit_test(long_values_keep_clear_of_their_labels),
