@@ -106,10 +106,11 @@ static void follow_map(asdic_view *view) {
     asdic_chart_relief(asdic_mission_scene(view->mission), r);
 }
 
-static dev_cone_view cone_of(const asdic_view *view, const asdic_beam *beam, double half_h_rad,
+/* About the first of AIM's axes, to both sides along the others. */
+static dev_cone_view cone_of(const asdic_view *view, asdic_mat3 aim, double half_h_rad,
                              double half_v_rad) {
     asdic_pose pose = asdic_view_sonar_pose(view);
-    asdic_mat3 turn = asdic_mat3_multiply(asdic_mat3_of(&pose), asdic_face_mount(beam));
+    asdic_mat3 turn = asdic_mat3_multiply(asdic_mat3_of(&pose), aim);
     const double over[3] = {1.0, 1.0 / tan(fmin(half_h_rad, WIDEST_RAD)),
                             1.0 / tan(fmin(half_v_rad, WIDEST_RAD))};
     dev_cone_view cone = {.strength = 1.0f};
@@ -129,17 +130,43 @@ static void tint(dev_cone_view *cone, uint32_t rgb, float strength) {
     cone->strength = strength;
 }
 
+/* Towards BEARING on a section's page, and along the page. */
+static asdic_mat3 aim_in(const asdic_section *s, double bearing_rad) {
+    double c = cos(bearing_rad), d = sin(bearing_rad);
+    asdic_vec3 ahead = asdic_vec3_sub(asdic_vec3_scale(s->right, d), asdic_vec3_scale(s->down, c));
+    asdic_vec3 along = asdic_vec3_add(asdic_vec3_scale(s->right, c), asdic_vec3_scale(s->down, d));
+    asdic_vec3 out = asdic_vec3_cross(ahead, along);
+    return (asdic_mat3){
+        {{ahead.x, along.x, out.x}, {ahead.y, along.y, out.y}, {ahead.z, along.z, out.z}}};
+}
+
+/* Half-widths of BEAM along the page of the fan and across it: to the sides and up and down, but of a section as its face
+ * is turned. */
+static void half_widths(const asdic_view *view, const asdic_beam *beam, double *along_rad,
+                        double *across_rad) {
+    asdic_mat3 mount = asdic_face_mount(beam);
+    asdic_vec3 side = {mount.m[0][1], mount.m[1][1], mount.m[2][1]};
+    asdic_vec3 out = asdic_vec3_cross(view->section.right, view->section.down);
+    bool is_turned = view->is_section && fabs(asdic_vec3_dot(side, out)) > sqrt(0.5);
+    *along_rad = asdic_view_half_width_rad(view, is_turned ? beam->length_v_m : beam->length_h_m);
+    *across_rad = asdic_view_half_width_rad(view, is_turned ? beam->length_h_m : beam->length_v_m);
+}
+
 /* All beams from LOW to HIGH as a wedge, which is of several cones where one is not wide enough. */
 static void see_fan(const asdic_view *view, double low_rad, double high_rad, asdic_shot *shot) {
     const asdic_sonar *sonar = asdic_mission_sonar(view->mission);
     asdic_beam middle = sonar->receivers[sonar->receiver_count / 2];
-    double half_v = asdic_view_half_width_rad(view, middle.length_v_m);
+    double along, across;
+    half_widths(view, &middle, &along, &across);
     double whole = fmin(high_rad - low_rad, 2.0 * ASDIC_PI);
     unsigned parts = (unsigned)ceil(0.5 * whole / WIDEST_RAD);
     for (unsigned i = 0; i < parts; i++) {
         dev_cone_view *cone = &shot->cone[shot->cones++];
-        middle.yaw_rad = low_rad + ((double)i + 0.5) * whole / parts;
-        *cone = cone_of(view, &middle, 0.5 * whole / parts, half_v);
+        double bearing_rad = low_rad + ((double)i + 0.5) * whole / parts;
+        middle.yaw_rad = bearing_rad;
+        asdic_mat3 aim =
+            view->is_section ? aim_in(&view->section, bearing_rad) : asdic_face_mount(&middle);
+        *cone = cone_of(view, aim, 0.5 * whole / parts, across);
         tint(cone, PANEL_CYAN_RGB, 0.5f);
     }
 }
@@ -153,11 +180,13 @@ static void see_beams(const asdic_view *view, asdic_shot *shot) {
         const asdic_beam *beam = &sonar->receivers[b];
         double half_h = asdic_view_half_width_rad(view, beam->length_h_m);
         double half_v = asdic_view_half_width_rad(view, beam->length_v_m);
-        low = fmin(low, beam->yaw_rad - half_h);
-        high = fmax(high, beam->yaw_rad + half_h);
+        double along, across;
+        half_widths(view, beam, &along, &across);
+        low = fmin(low, view->bearing_rad[b] - along);
+        high = fmax(high, view->bearing_rad[b] + along);
         if (n < DEV_CAMERA_CONES || b == view->beam) {
             dev_cone_view *cone = &shot->cone[shot->cones++];
-            *cone = cone_of(view, beam, half_h, half_v);
+            *cone = cone_of(view, asdic_face_mount(beam), half_h, half_v);
             tint(cone, b == view->beam ? PANEL_AMBER_RGB : PANEL_CYAN_RGB,
                  b == view->beam ? 1.0f : 0.55f);
         }

@@ -2,6 +2,7 @@
 #include "panel.h"
 
 #include "base/vec.h"
+#include "out/draw.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -70,8 +71,7 @@ static void decorate(const panel *p, const asdic_view *view, const fan_place *at
     for (double d = 30.0 * ceil(low_deg / 30.0 + (is_round ? 1e-6 : -1e-6)); d <= high_deg + 1e-6;
          d += 30.0) {
         double angle = d * degree;
-        int deg = (int)remainder(d, 360.0);
-        deg = deg == -180 ? 180 : deg;
+        int deg = (int)rint(asdic_fan_shown_deg(view->is_section, d));
         char label[16];
         cairo_set_source_rgba(cr, 0.75, 0.82, 0.88, 0.16);
         ray(p, at, angle, 0.0, radius);
@@ -99,15 +99,19 @@ void panel_fan(const panel *p, const asdic_view *view) {
         snprintf(coarse, sizeof coarse, "  \u00b7  bins of %.3g m",
                  (double)view->joined * ping->bin_length_m);
     }
-    snprintf(heading, sizeof heading, "sonar  \u00b7  %zu %s%s%s",
+    snprintf(heading, sizeof heading, "sonar  \u00b7  %zu %s%s%s%s",
              scans ? view->polar.sweep.directions : ping->beams, scans ? "directions" : "beams",
+             !view->is_section            ? ""
+             : view->section.is_starboard ? ", starboard on the right"
+                                          : ", ahead on the right",
              coarse, gain);
     panel_begin(p, heading);
     asdic_fan fan = {.levels_db = ping->level_db,
                      .bearing_rad = view->bearing_rad,
                      .beams = ping->beams,
                      .bins = ping->bins,
-                     .bin_length_m = ping->bin_length_m};
+                     .bin_length_m = ping->bin_length_m,
+                     .is_section = view->is_section};
     if (scans) {
         fan = asdic_polar_fan(&view->polar, ping->bin_length_m);
     }

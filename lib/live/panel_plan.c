@@ -2,14 +2,14 @@
 #include "panel.h"
 
 #include "base/vec.h"
+#include "mission/run/run_footprint.h"
 #include "out/raster_relief.h"
+#include "scene/scene.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-/* Few beams are drawn each, many as their sector. */
-#define SINGLE_BEAMS 8
 #define OBJECT_RGB 0xbfa675u
 
 typedef struct map {
@@ -75,47 +75,70 @@ static void grid(const map *m) {
     }
 }
 
-/* A sector from the vehicle, between two bearings of the world. */
-static void sector(const map *m, asdic_vec3 at_m, double low_rad, double high_rad, double range_m,
-                   uint32_t rgb, double fill, double edge) {
+/* Fills the areas of the present path and strokes its outlines. */
+static void ink(const map *m, uint32_t rgb, double fill, double edge, bool is_dashed) {
     cairo_t *cr = m->p->canvas->cr;
-    double x = map_x(m, at_m.y), y = map_y(m, at_m.x);
     double r = (rgb >> 16) / 255.0, g = (rgb >> 8 & 255) / 255.0, b = (rgb & 255) / 255.0;
-    cairo_new_path(cr);
-    cairo_move_to(cr, x, y);
-    cairo_arc(cr, x, y, range_m * m->px_per_m, low_rad - 0.5 * ASDIC_PI, high_rad - 0.5 * ASDIC_PI);
-    cairo_close_path(cr);
+    const double dash[] = {4.0, 4.0};
     cairo_set_source_rgba(cr, r, g, b, fill);
     cairo_fill_preserve(cr);
     cairo_set_source_rgba(cr, r, g, b, edge);
     cairo_set_line_width(cr, 1.0);
+    cairo_set_dash(cr, dash, is_dashed ? 2 : 0, 0.0);
     cairo_stroke(cr);
+    cairo_set_dash(cr, NULL, 0, 0.0);
+}
+
+/* Adds to the path where the lobes of SWATH meet the bottom, as the plan of a run shows it; whether they do. */
+static bool trace(const map *m, const asdic_view *view, const asdic_swath *swath) {
+    static const asdic_relief flat = {0};
+    const asdic_scene *scene = asdic_mission_scene(view->mission);
+    bool is_flat =
+        scene->has_bottom_plane && !swath->layers; /* a bent ray goes from cell to cell */
+    asdic_seafloor ground = {.relief = is_flat ? &flat : m->relief,
+                             .plane_depth_m =
+                                 scene->has_bottom_plane ? scene->bottom_plane_depth_m : INFINITY};
+    asdic_pose pose = asdic_view_sonar_pose(view);
+    asdic_chart_area area;
+    if (asdic_footprint_find(view->ctx, swath, &pose, &ground, &area) != ASDIC_OK) {
+        return true;
+    }
+    for (size_t i = 0; i < area.count; i++) {
+        cairo_line_to(m->p->canvas->cr, map_x(m, area.east_m[i]), map_y(m, area.north_m[i]));
+    }
+    cairo_close_path(m->p->canvas->cr);
+    bool meets = !area.dashed;
+    asdic_footprint_finish(&area);
+    return meets;
 }
 
 static void beams(const map *m, const asdic_view *view) {
     const asdic_sonar *sonar = asdic_mission_sonar(view->mission);
-    asdic_pose sonar_pose = asdic_view_sonar_pose(view), *pose = &sonar_pose;
-    double range_m = asdic_view_range_m(view), low = INFINITY, high = -INFINITY;
-    for (size_t b = 0; b < sonar->receiver_count; b++) {
-        const asdic_beam *beam = &sonar->receivers[b];
-        double half = asdic_view_half_width_rad(view, beam->length_h_m);
-        double bearing = pose->yaw_rad + beam->yaw_rad;
-        low = fmin(low, bearing - half);
-        high = fmax(high, bearing + half);
-        if (sonar->receiver_count <= SINGLE_BEAMS && b != view->beam) {
-            sector(m, pose->position_m, bearing - half, bearing + half, range_m, PANEL_CYAN_RGB,
-                   0.10, 0.45);
+    const asdic_environment *environment = asdic_mission_environment(view->mission);
+    asdic_layers layers;
+    asdic_layers_of(environment, view->ping.pose.position_m.z, &layers);
+    asdic_swath swath = {.layers = asdic_environment_bends(environment) ? &layers : NULL,
+                         .wavelength_m = asdic_view_wavelength_m(view),
+                         .range_m = asdic_view_range_m(view)};
+    bool is_apart = sonar->receiver_count <= ASDIC_SWATH_APART, has_bottom = false;
+    cairo_new_path(m->p->canvas->cr);
+    for (size_t k = 0; k < sonar->receiver_count; k += swath.count) {
+        asdic_swath_take(&swath, sonar, k);
+        if (is_apart && k != view->beam) {
+            bool meets = trace(m, view, &swath);
+            ink(m, PANEL_CYAN_RGB, 0.10, 0.45, !meets);
+        } else if (!is_apart) { /* what overlaps is one area */
+            has_bottom = trace(m, view, &swath) || has_bottom;
         }
     }
-    if (sonar->receiver_count > SINGLE_BEAMS) {
-        high = fmin(high, low + 2.0 * ASDIC_PI);
-        sector(m, pose->position_m, low, high, range_m, PANEL_CYAN_RGB, 0.10, 0.5);
+    if (!is_apart) {
+        bool is_whole = swath.count == sonar->receiver_count; /* else outlines lie upon outlines */
+        ink(m, PANEL_CYAN_RGB, is_whole ? 0.10 : 0.30, is_whole ? 0.5 : 0.0, !has_bottom);
     }
-    const asdic_beam *chosen = &sonar->receivers[view->beam];
-    double half = asdic_view_half_width_rad(view, chosen->length_h_m);
-    double bearing = pose->yaw_rad + chosen->yaw_rad;
-    sector(m, pose->position_m, bearing - half, bearing + half, range_m, PANEL_AMBER_RGB, 0.14,
-           0.7);
+    swath.beams = &sonar->receivers[view->beam];
+    swath.count = 1;
+    bool meets = trace(m, view, &swath);
+    ink(m, PANEL_AMBER_RGB, 0.14, 0.7, !meets);
 }
 
 static void tracks(const map *m, const asdic_view *view) {

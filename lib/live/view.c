@@ -45,11 +45,14 @@ asdic_vec3 asdic_view_object_m(const asdic_view *view, const asdic_mission_objec
     return asdic_mission_object_pose_at(view->mission, o, view->ping.time_s).position_m;
 }
 
-double asdic_view_half_width_rad(const asdic_view *view, double length_m) {
+double asdic_view_wavelength_m(const asdic_view *view) {
     double speed_mps = asdic_environment_sound_speed_mps(asdic_mission_environment(view->mission),
                                                          view->ping.pose.position_m.z);
-    double wavelength_m = speed_mps / asdic_mission_sonar(view->mission)->frequency_hz;
-    return 0.5 * asdic_half_power_rad(wavelength_m, length_m);
+    return speed_mps / asdic_mission_sonar(view->mission)->frequency_hz;
+}
+
+double asdic_view_half_width_rad(const asdic_view *view, double length_m) {
+    return 0.5 * asdic_half_power_rad(asdic_view_wavelength_m(view), length_m);
 }
 
 double asdic_view_mission_speed_mps(const asdic_view *view) {
@@ -67,18 +70,6 @@ double asdic_view_mission_speed_mps(const asdic_view *view) {
     return asdic_vec3_length((asdic_vec3){way_m.x / (t1 - t0) - current_mps[0],
                                           way_m.y / (t1 - t0) - current_mps[1],
                                           way_m.z / (t1 - t0)});
-}
-
-/* The beam that looks ahead. */
-static size_t middle_beam(const asdic_sonar *sonar) {
-    size_t best = 0;
-    for (size_t i = 1; i < sonar->receiver_count; i++) {
-        const asdic_beam *a = &sonar->receivers[best], *b = &sonar->receivers[i];
-        if (hypot(b->yaw_rad, b->pitch_rad) < hypot(a->yaw_rad, a->pitch_rad) - 1e-12) {
-            best = i;
-        }
-    }
-    return best;
 }
 
 static asdic_status begin_history(asdic_view *view) {
@@ -356,17 +347,16 @@ static asdic_status begin(asdic_view *view) {
     view->look = asdic_picture_options_default();
     view->look.colormap = o->colormap;
     bool scans = asdic_mission_sweep(view->mission).directions > 2;
-    view->has_fan = scans || asdic_beams_make_fan(sonar);
+    view->is_section = !scans && asdic_section_of(sonar, &view->section);
+    view->has_fan = scans || view->is_section || asdic_beams_make_fan(sonar);
     view->shows_fan = scans || (view->has_fan && sonar->receiver_count >= FAN_BEAMS);
-    view->beam = middle_beam(sonar);
+    view->beam = asdic_beam_ahead(sonar);
     view->layout = asdic_view_lay_out(o->width, o->height);
     view->bearing_rad = calloc(sonar->receiver_count, sizeof *view->bearing_rad);
     if (!view->bearing_rad) {
         return asdic_fail_memory(view->ctx, "bearings");
     }
-    for (size_t i = 0; i < sonar->receiver_count; i++) {
-        view->bearing_rad[i] = sonar->receivers[i].yaw_rad;
-    }
+    asdic_section_bearings(view->is_section ? &view->section : NULL, sonar, view->bearing_rad);
     if (o->folder) {
         view->folder = strdup(o->folder);
         view->options.folder = view->folder;

@@ -12,6 +12,7 @@
 #include "governor.h"
 #include "helm.h"
 #include "live_expected.h"
+#include "mission/run/run_section.h"
 #include "out/canvas.h"
 #include "out/polar.h"
 #include "recording.h"
@@ -59,8 +60,10 @@ struct asdic_view {
     asdic_picture_options look; /* of fan, waterfall; the window of the A-scope */
     bool has_window;
     bool shows_fan, has_fan;
+    bool is_section; /* the fan */
+    asdic_section section;
     size_t beam;
-    double *bearing_rad; /* of the fan's beams */
+    double *bearing_rad; /* of the fan's beams, on its page */
     asdic_live_expected expected;
     view_history history;
     asdic_polar polar; /* of a scanned sonar: the last turn, of the beam chosen at each ping */
@@ -83,6 +86,8 @@ asdic_pose asdic_view_sonar_pose(const asdic_view *view);
 
 /* Where object O is at the last ping. */
 asdic_vec3 asdic_view_object_m(const asdic_view *view, const asdic_mission_object *o);
+
+double asdic_view_wavelength_m(const asdic_view *view);
 
 /* Half-power half-width of an aperture of LENGTH_M, rad. */
 double asdic_view_half_width_rad(const asdic_view *view, double length_m);

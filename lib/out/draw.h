@@ -49,6 +49,10 @@ void asdic_draw_note(char note[ASDIC_NOTE_SIZE], const asdic_picture_options *op
                      const asdic_decimator *levels);
 /* Between its statements. */
 #define ASDIC_NOTE_PART "  \u00b7  "
+/* A bearing on a fan's page as its label says it: from -180, which is 180, to 180; of a section the
+ * angle below the level. */
+double asdic_fan_shown_deg(bool is_section, double bearing_deg);
+
 /* One statement more. */
 void asdic_draw_note_add(char note[ASDIC_NOTE_SIZE], const char *statement);
 

@@ -120,8 +120,7 @@ static void draw_rings(asdic_canvas *c, const page *p, double max_range_m) {
     label_ring(c, p, p->sector.radius_px - (is_full_circle(p) ? OUTER_LABEL_PX : 0.0), label);
 }
 
-/* From -180, which is 180, to 180; of a section the angle below the level. */
-static double shown_deg(bool is_section, double bearing_deg) {
+double asdic_fan_shown_deg(bool is_section, double bearing_deg) {
     double deg = remainder(bearing_deg, 360.0);
     if (is_section) {
         return 90.0 - fabs(remainder(bearing_deg - 180.0, 360.0));
@@ -150,7 +149,7 @@ static void draw_bearings(asdic_canvas *c, const page *p, bool is_section) {
         place(p, p->sector.radius_px + 14.0, angle, &x2, &y2);
         asdic_canvas_color(c, RING_RGB);
         asdic_canvas_line(c, x0, y0, x1, y1);
-        asdic_axis_label(number, shown_deg(is_section, bearing), 1.0);
+        asdic_axis_label(number, asdic_fan_shown_deg(is_section, bearing), 1.0);
         snprintf(label, sizeof label, "%s\u00b0", number);
         asdic_canvas_color(c, INK_RGB);
         asdic_canvas_text(c,

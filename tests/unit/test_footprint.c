@@ -23,7 +23,7 @@ static void footprint_on_a_plane(void **state) {
     asdic_beam beam = {.pitch_rad = 0.5, .length_h_m = 0.1, .length_v_m = 0.05};
     asdic_swath swath = {.beams = &beam, .count = 1, .wavelength_m = 0.015, .range_m = 100};
     asdic_pose pose = {.position_m = {3, 7, 20}, .yaw_rad = 0.5 * ASDIC_PI};
-    asdic_ground ground = {.relief = &no_relief, .plane_depth_m = 30};
+    asdic_seafloor ground = {.relief = &no_relief, .plane_depth_m = 30};
     asdic_chart_area area;
     assert_int_equal(asdic_footprint_find(ctx, &swath, &pose, &ground, &area), ASDIC_OK);
     assert_false(area.dashed);
@@ -63,7 +63,7 @@ static void footprint_of_a_broad_lobe(void **state) {
     asdic_beam beam = {.pitch_rad = 0.5 * ASDIC_PI, .length_h_m = 0.1, .length_v_m = 0.0074};
     asdic_swath swath = {.beams = &beam, .count = 1, .wavelength_m = 0.015, .range_m = 15};
     asdic_pose pose = {.position_m = {3, 7, 20}};
-    asdic_ground ground = {.relief = &no_relief, .plane_depth_m = 30};
+    asdic_seafloor ground = {.relief = &no_relief, .plane_depth_m = 30};
     asdic_chart_area area;
     double most_m = sqrt(15.0 * 15.0 - 10.0 * 10.0); /* the lobe's edges: 64 degrees from below */
     assert_int_equal(asdic_footprint_find(ctx, &swath, &pose, &ground, &area), ASDIC_OK);
@@ -99,7 +99,7 @@ static void footprint_of_many_beams(void **state) {
     }
     asdic_swath swath = {.beams = beams, .count = BEAMS, .wavelength_m = 0.015, .range_m = 100};
     asdic_pose pose = {.position_m = {3, 7, 20}, .yaw_rad = 0.5 * ASDIC_PI};
-    asdic_ground ground = {.relief = &no_relief, .plane_depth_m = 30};
+    asdic_seafloor ground = {.relief = &no_relief, .plane_depth_m = 30};
     asdic_chart_area area;
     assert_int_equal(asdic_footprint_find(ctx, &swath, &pose, &ground, &area), ASDIC_OK);
     assert_int_equal(area.count, 2 * (BEAMS + 2)); /* and the outer edges of the outer two */
@@ -127,7 +127,7 @@ static void footprint_all_round(void **state) {
     }
     asdic_swath swath = {.beams = beams, .count = BEAMS, .wavelength_m = 0.015, .range_m = 100};
     asdic_pose pose = {.position_m = {3, 7, 20}, .yaw_rad = 1.0};
-    asdic_ground ground = {.relief = &no_relief, .plane_depth_m = 30};
+    asdic_seafloor ground = {.relief = &no_relief, .plane_depth_m = 30};
     asdic_chart_area area;
     double half_v = asin(HALF_POWER * 0.015 / 0.05);
     double far_m = 10.0 / tan(0.5 - half_v), near_m = 10.0 / tan(0.5 + half_v);
@@ -170,7 +170,7 @@ static void footprint_in_water_that_bends(void **state) {
     asdic_swath swath = {
         .beams = &beam, .count = 1, .wavelength_m = 0.015, .range_m = 200, .layers = &layers};
     asdic_pose pose = {.position_m = {3, 7, 20}};
-    asdic_ground ground = {.relief = &no_relief, .plane_depth_m = 30};
+    asdic_seafloor ground = {.relief = &no_relief, .plane_depth_m = 30};
     double half_v = asin(HALF_POWER * 0.015 / 0.05);
     for (int level = 0; level < 2; level++) {
         asdic_chart_area area;
@@ -216,7 +216,7 @@ static void footprint_beside_a_hole(void **state) {
     asdic_beam beam = {.pitch_rad = 0.3, .length_h_m = 0.0075, .length_v_m = 0.05};
     asdic_swath swath = {.beams = &beam, .count = 1, .wavelength_m = 0.015, .range_m = 40};
     asdic_pose pose = {.position_m = {0, 0, 5}, .yaw_rad = 0.25 * ASDIC_PI};
-    asdic_ground ground = {.relief = &relief, .plane_depth_m = INFINITY};
+    asdic_seafloor ground = {.relief = &relief, .plane_depth_m = INFINITY};
     for (int between = 0; between < 2; between++) {
         double from_deg = between ? 40.0 : 45.0, to_deg = between ? 50.0 : 136.0;
         for (int i = 0; i < SIDE * SIDE; i++) {
@@ -253,7 +253,7 @@ static void footprint_on_terrain(void **state) {
     asdic_beam beam = {.length_h_m = 0.1, .length_v_m = 0.05};
     asdic_swath swath = {.beams = &beam, .count = 1, .wavelength_m = 0.015, .range_m = 45};
     asdic_pose pose = {.position_m = {0, 0, 5}};
-    asdic_ground ground = {.relief = &relief, .plane_depth_m = INFINITY};
+    asdic_seafloor ground = {.relief = &relief, .plane_depth_m = INFINITY};
     asdic_chart_area area;
     assert_int_equal(asdic_footprint_find(ctx, &swath, &pose, &ground, &area), ASDIC_OK);
     assert_false(area.dashed);

@@ -73,10 +73,15 @@ static void sections_lie_as_the_beams_do(void **state) {
             }
             assert_int_equal(s.is_starboard, v->is_starboard);
             assert_int_equal(s.is_reversed, v->is_reversed != (backwards == 1));
+            double bearing_rad[MOST];
+            asdic_section_bearings(&s, &sonar, bearing_rad);
+            assert_int_equal(asdic_beam_ahead(&sonar), (v->count - 1) / 2);
             for (size_t b = 0; b < v->count; b++) {
                 double page_rad = rad(v->page_deg[backwards ? v->count - 1 - b : b]);
                 assert_float_equal(asdic_section_bearing_rad(&s, &beams[b], page_rad), page_rad,
                                    1e-9);
+                assert_float_equal(remainder(bearing_rad[b] - page_rad, 2.0 * ASDIC_PI), 0.0, 1e-9);
+                assert_true(b < 1 || fabs(bearing_rad[b] - bearing_rad[b - 1]) < ASDIC_PI);
                 assert_float_equal(asdic_section_bearing_rad(&s, &beams[b], page_rad - 6.0),
                                    page_rad - 2.0 * ASDIC_PI, 1e-9);
             }
@@ -98,6 +103,17 @@ static const view others[] = {
      false,
      false},
 };
+
+static void the_beam_nearest_ahead_stands_for_others(void **state) {
+    (void)state;
+    static const double directions[][2] = {{90, 0}, {30, 20}, {0, -40}, {25, 0}, {25, 180}};
+    asdic_beam beams[MOST];
+    for (size_t count = 1; count <= 5; count++) { /* 90, 35.5, 40, 25 and 155 degrees from ahead */
+        static const size_t nearest[] = {0, 1, 1, 3, 3};
+        asdic_sonar sonar = sonar_of(directions, count, false, beams);
+        assert_int_equal(asdic_beam_ahead(&sonar), nearest[count - 1]);
+    }
+}
 
 static void other_beams_make_none(void **state) {
     (void)state;
@@ -139,6 +155,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(sections_lie_as_the_beams_do),
         cmocka_unit_test(other_beams_make_none),
+        cmocka_unit_test(the_beam_nearest_ahead_stands_for_others),
         cmocka_unit_test(steep_fans_are_sections),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

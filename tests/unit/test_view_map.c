@@ -37,14 +37,7 @@ static void check_cone(const dev_cone_view *cone, double heading_rad, double dow
     }
 }
 
-/* An arc of the last frame goes from LOW to HIGH, bearings from north on. */
-static void check_arc(size_t at, double low_rad, double high_rad) {
-    assert_true(at < arc_count);
-    assert_close(arcs[at].rad[0], low_rad - 90.0 * DEGREE, 1e-9);
-    assert_close(arcs[at].rad[1], high_rad - 90.0 * DEGREE, 1e-9);
-}
-
-/* Nine beams and more are one wedge, on the map one sector. The chosen beam is amber, which has more red than blue, and
+/* Nine beams and more are one wedge. The chosen beam is amber, which has more red than blue, and
  * stronger. */
 static void beams_are_cones(void **state) {
     (void)state;
@@ -65,13 +58,6 @@ static void beams_are_cones(void **state) {
         assert_int_equal(cone->rgb[0] > cone->rgb[2], b == 2);
         assert_close((double)cone->strength, b == 2 ? 1.0 : 0.55, 1e-6);
     }
-    draw(v);
-    assert_int_equal(arc_count, 3); /* on the map the chosen one comes last */
-    for (size_t b = 0; b < 3; b++) {
-        double middle = heading + beams[b].yaw_rad;
-        double half = asdic_view_half_width_rad(v, beams[b].length_h_m);
-        check_arc(b, middle - half, middle + half);
-    }
     close_view(v);
     for (int count = 8; count < 11; count++) {
         char receivers[1024] = "[";
@@ -89,14 +75,94 @@ static void beams_are_cones(void **state) {
                        asdic_view_half_width_rad(v, beams[0].length_v_m));
             assert_true(shot.cone[0].rgb[0] > shot.cone[0].rgb[2]);
             assert_true(shot.cone[1].rgb[0] < shot.cone[1].rgb[2]);
-            double yaw = v->ping.pose.yaw_rad, last = beams[count - 1].yaw_rad;
-            draw(v);
-            assert_int_equal(arc_count, 2);
-            check_arc(0, yaw - last - half, yaw + last + half);
-            check_arc(1, yaw + beams[1].yaw_rad - half, yaw + beams[1].yaw_rad + half);
         }
         close_view(v);
     }
+}
+
+/* Where a place is on the map. */
+static double px_per_m(const asdic_view *v) {
+    return fmax(v->layout.plan.w, v->layout.plan.h) / ((double)v->relief.rows * v->relief.cell_m);
+}
+
+static double x_of(const asdic_view *v, double east_m) {
+    return v->layout.plan.x + (east_m - v->relief.west_m) * px_per_m(v);
+}
+
+static double y_of(const asdic_view *v, double north_m) {
+    return v->layout.plan.y + v->layout.plan.h - (north_m - v->relief.south_m) * px_per_m(v);
+}
+
+/* The area's box, metres from the vehicle at (0, 0); cairo's coordinates are 256ths of a pixel. */
+static void assert_area(const asdic_view *v, size_t at, double west_m, double east_m,
+                        double south_m, double north_m) {
+    assert_true(at < area_count);
+    const struct area *a = &areas[at];
+    const double seen_px[4] = {a->x0 - x_of(v, 0.0), a->x1 - x_of(v, 0.0), y_of(v, 0.0) - a->y1,
+                               y_of(v, 0.0) - a->y0};
+    const double wanted_m[4] = {west_m, east_m, south_m, north_m};
+    for (int k = 0; k < 4; k++) {
+        assert_close(seen_px[k] / px_per_m(v), wanted_m[k], 0.01 + 0.01 * fabs(wanted_m[k]));
+    }
+}
+
+/* Swimming east 13 m above the bottom: areas are where lobes, of so many degrees to the half power, meet it; by
+ * trigonometry. */
+static void areas_lie_on_the_bottom(void **state) {
+    (void)state;
+    char receivers[2048] = "[{name: a, pitch_deg: 90, length_h_m: 0.1, length_v_m: 0.05}, "
+                           "{name: b, pitch_deg: 45, length_h_m: 0.1, length_v_m: 0.1}, "
+                           "{name: c, pitch_deg: -90}], max_range_m: 40";
+    asdic_view *v = open_view(receivers, "sampling: {rays: 256}");
+    v->beam = 0;
+    step(v, 1);
+    double speed_mps =
+        asdic_environment_sound_speed_mps(asdic_mission_environment(v->mission), 7.0);
+    double narrow = asin(0.442946 * speed_mps / 1e5 / 0.1);
+    double broad = asin(0.442946 * speed_mps / 1e5 / 0.05);
+    draw(v);
+    assert_int_equal(area_count, 4); /* the chosen one last; the vehicle */
+    double near_m = 13.0 * tan(45.0 * DEGREE - narrow), far_m = 13.0 * tan(45.0 * DEGREE + narrow);
+    double side_m = tan(narrow) * 13.0 / sin(45.0 * DEGREE - narrow);
+    assert_close(areas[0].x0 - x_of(v, 0.0), near_m * px_per_m(v), 0.02 * near_m * px_per_m(v));
+    assert_close(areas[0].x1 - x_of(v, 0.0), far_m * px_per_m(v), 0.02 * far_m * px_per_m(v));
+    assert_close(y_of(v, 0.0) - areas[0].y0, side_m * px_per_m(v), 0.1 * side_m * px_per_m(v));
+    assert_true(areas[1].x1 - areas[1].x0 < 1.0); /* upwards there is nothing ahead */
+    double ahead_m = 13.0 * tan(broad), aside_m = 13.0 * tan(narrow);
+    assert_area(v, 2, -ahead_m, ahead_m, -aside_m, aside_m);
+    close_view(v);
+    /* An echo sounder: a strip athwart, from edge to edge of the outermost lobes. */
+    size_t used = (size_t)snprintf(receivers, sizeof receivers, "[");
+    for (int k = 0; k < 13; k++) {
+        int across_deg = 10 * k - 60;
+        used += (size_t)snprintf(receivers + used, sizeof receivers - used,
+                                 "%s{name: b%d, yaw_deg: %d, pitch_deg: %d, length_h_m: 0.1, "
+                                 "length_v_m: 0.1}",
+                                 k ? ", " : "", k, across_deg < 0 ? -90 : 90, 90 - abs(across_deg));
+    }
+    snprintf(receivers + used, sizeof receivers - used, "], max_range_m: 40");
+    v = open_view(receivers, "sampling: {rays: 256}");
+    assert_true(v->is_section && v->shows_fan);
+    assert_int_equal(v->beam, 6);
+    for (int k = 0; k < 13; k++) { /* from the left, port, round below */
+        assert_close(v->bearing_rad[k], (240.0 - 10.0 * k) * DEGREE, 1e-9);
+    }
+    step(v, 1);
+    draw(v);
+    double most_m = 13.0 * tan(60.0 * DEGREE + narrow);
+    double wide_m = tan(narrow) * 13.0 / cos(60.0 * DEGREE + narrow);
+    assert_int_equal(area_count, 3);
+    assert_close((areas[0].y1 - y_of(v, 0.0)) / px_per_m(v), most_m, 0.02 * most_m);
+    assert_close((areas[0].y0 - y_of(v, 0.0)) / px_per_m(v), -most_m, 0.02 * most_m);
+    assert_close((areas[0].x1 - x_of(v, 0.0)) / px_per_m(v), wide_m, 0.1 * wide_m);
+    assert_area(v, 1, -aside_m, aside_m, -aside_m, aside_m);
+    /* In the picture from behind a wedge, downwards and as thick as the beams are wide. */
+    assert_int_equal(shot.cones, 2);
+    const float *ahead = shot.cone[1].rows, *out = ahead + 6;
+    assert_close((double)ahead[2], 1.0, 1e-6);
+    assert_close(hypot((double)out[0], (double)out[1]), 1.0 / tan(narrow), 0.01 / tan(narrow));
+    assert_close(fabs((double)out[1]), 1.0 / tan(narrow), 0.01 / tan(narrow));
+    close_view(v);
 }
 
 /* On the map and by its name, where it is at the moment. */
@@ -120,11 +186,9 @@ static void what_moves_is_shown(void **state) {
     for (int ping = 0; ping < 3; ping++) {
         step(v, 1);
         draw(v);
-        double px_per_m =
-            fmax(v->layout.plan.w, v->layout.plan.h) / ((double)v->relief.rows * v->relief.cell_m);
-        assert_int_equal(arc_count, 2);
-        assert_close(arcs[1].x - arcs[0].x, (12.0 - 0.5 * ping) * px_per_m, 1e-6);
-        assert_close(arcs[1].y - arcs[0].y, -(2.0 - 0.25 * ping) * px_per_m, 1e-6);
+        assert_int_equal(arc_count, 1);
+        assert_close(arcs[0].x, x_of(v, 12.0), 1e-6);
+        assert_close(arcs[0].y, y_of(v, 2.0 - 0.25 * ping), 1e-6);
         double last_x = label_x;
         for (size_t i = 0; i < word_count; i++) {
             label_x = strcmp(words[i].text, "fish") == 0 ? words[i].x : label_x;
@@ -144,11 +208,9 @@ static void points_are_on_the_map(void **state) {
         "  - {name: s, sphere: {radius_m: 0.5}, position_m: [2, 8, 7]}\n");
     step(v, 1);
     draw(v);
-    double px_per_m =
-        fmax(v->layout.plan.w, v->layout.plan.h) / ((double)v->relief.rows * v->relief.cell_m);
-    assert_int_equal(arc_count, 2);
-    assert_close(arcs[1].x - arcs[0].x, 12.0 * px_per_m, 1e-6);
-    assert_close(arcs[1].y - arcs[0].y, -2.0 * px_per_m, 1e-6);
+    assert_int_equal(arc_count, 1);
+    assert_close(arcs[0].x, x_of(v, 12.0), 1e-6);
+    assert_close(arcs[0].y, y_of(v, 2.0), 1e-6);
     close_view(v);
 }
 
@@ -382,6 +444,7 @@ static void the_camera_fills_its_panel(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(beams_are_cones),
+        cmocka_unit_test(areas_lie_on_the_bottom),
         cmocka_unit_test(what_moves_is_shown),
         cmocka_unit_test(points_are_on_the_map),
         cmocka_unit_test(wide_fans_are_seen_whole),

@@ -37,6 +37,10 @@ static struct line { double x0, y0, x1, y1; } lines[400];
 static struct arc { double x, y, radius, rad[2]; } arcs[400];
 static size_t line_count, arc_count;
 
+/* The boxes of areas that were filled and then outlined since area_count was 0. */
+static struct area { double x0, y0, x1, y1; } areas[400];
+static size_t area_count;
+
 void __real_asdic_canvas_line(asdic_canvas *c, double x0, double y0, double x1, double y1);
 void __wrap_asdic_canvas_line(asdic_canvas *c, double x0, double y0, double x1, double y1);
 void __real_cairo_arc(cairo_t *cr, double x, double y, double radius, double low, double high);
@@ -56,8 +60,19 @@ void __wrap_cairo_arc(cairo_t *cr, double x, double y, double radius, double low
     __real_cairo_arc(cr, x, y, radius, low, high);
 }
 
+void __real_cairo_fill_preserve(cairo_t *cr);
+void __wrap_cairo_fill_preserve(cairo_t *cr);
+
+void __wrap_cairo_fill_preserve(cairo_t *cr) {
+    if (area_count < sizeof areas / sizeof *areas) {
+        struct area *a = &areas[area_count++];
+        cairo_path_extents(cr, &a->x0, &a->y0, &a->x1, &a->y1);
+    }
+    __real_cairo_fill_preserve(cr);
+}
+
 static inline void draw(asdic_view *view) {
-    word_count = line_count = arc_count = 0;
+    word_count = line_count = arc_count = area_count = 0;
     assert_ok(t.ctx, asdic_view_draw(view));
 }
 

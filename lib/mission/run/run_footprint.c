@@ -87,7 +87,7 @@ static size_t cut_swath(const asdic_swath *s, bool is_round, cut cuts[MOST_ACROS
     return n;
 }
 
-double asdic_ground_depth_m(const asdic_ground *g, double north_m, double east_m) {
+double asdic_seafloor_depth_m(const asdic_seafloor *g, double north_m, double east_m) {
     const asdic_relief *r = g->relief;
     double depth_m = g->plane_depth_m;
     if (r->columns > 0) {
@@ -140,7 +140,7 @@ static asdic_vec3 reach(way *w, double range_m) {
 
 /* Range at which the ray meets the bottom; NAN when it does not within the swath's, or where it bends up to the
  * surface before. */
-static double meet(const asdic_ground *g, const asdic_swath *s, const asdic_pose *pose,
+static double meet(const asdic_seafloor *g, const asdic_swath *s, const asdic_pose *pose,
                    asdic_vec3 along) {
     asdic_vec3 from_m = pose->position_m;
     if (g->relief->columns == 0 && !s->layers) {
@@ -152,7 +152,7 @@ static double meet(const asdic_ground *g, const asdic_swath *s, const asdic_pose
     way w = set_out(s, pose, along);
     for (double at_m = step_m; at_m <= s->range_m; at_m += step_m) {
         asdic_vec3 here_m = asdic_vec3_add(from_m, reach(&w, at_m));
-        double below_m = here_m.z - asdic_ground_depth_m(g, here_m.x, here_m.y);
+        double below_m = here_m.z - asdic_seafloor_depth_m(g, here_m.x, here_m.y);
         if (below_m >= 0.0) { /* between two steps a plane is met where it lies */
             return g->relief->columns > 0 ? at_m : at_m - step_m * below_m / (below_m + above_m);
         }
@@ -165,14 +165,14 @@ static double meet(const asdic_ground *g, const asdic_swath *s, const asdic_pose
 }
 
 /* DOWN from the axis of CUT. */
-static sight look(const asdic_ground *g, const asdic_swath *s, const asdic_pose *pose, const cut *c,
-                  double down_rad) {
+static sight look(const asdic_seafloor *g, const asdic_swath *s, const asdic_pose *pose,
+                  const cut *c, double down_rad) {
     asdic_vec3 along = direction(pose, c->beam, c->azimuth_rad, down_rad);
     return (sight){along, meet(g, s, pose, along)};
 }
 
 /* The last direction from MET, which meets the bottom, towards MISSED that does. */
-static sight last_met(const asdic_ground *g, const asdic_swath *s, const asdic_pose *pose,
+static sight last_met(const asdic_seafloor *g, const asdic_swath *s, const asdic_pose *pose,
                       const cut *c, double met_rad, double missed_rad) {
     sight last = look(g, s, pose, c, met_rad);
     for (int i = 0; i < HALVINGS; i++) {
@@ -188,7 +188,7 @@ static sight last_met(const asdic_ground *g, const asdic_swath *s, const asdic_p
     return last;
 }
 
-static void find_edges(const asdic_ground *g, const asdic_swath *s, const asdic_pose *pose,
+static void find_edges(const asdic_seafloor *g, const asdic_swath *s, const asdic_pose *pose,
                        cut *c) {
     double half_rad = c->half_rad, met_rad = NAN;
     c->lower = look(g, s, pose, c, half_rad);
@@ -217,8 +217,25 @@ static void add_point(asdic_chart_area *area, const asdic_swath *s, const asdic_
     area->east_m[area->count++] = pose->position_m.y + there_m.y;
 }
 
+void asdic_swath_take(asdic_swath *s, const asdic_sonar *sonar, size_t index) {
+    bool is_apart = sonar->receiver_count <= ASDIC_SWATH_APART,
+         is_fan = asdic_beams_make_fan(sonar);
+    size_t end = is_fan && !is_apart ? sonar->receiver_count : index + 1;
+    for (; !is_apart && end < sonar->receiver_count; end++) {
+        const asdic_beam *beam = &sonar->receivers[end], *before = beam - 1;
+        double step_rad = beam->yaw_rad - before->yaw_rad;
+        double touch_rad = 0.5 * asdic_half_power_rad(s->wavelength_m, beam->length_h_m) +
+                           0.5 * asdic_half_power_rad(s->wavelength_m, before->length_h_m);
+        if (!(step_rad > 0.0 && step_rad <= touch_rad)) {
+            break;
+        }
+    }
+    s->beams = &sonar->receivers[index];
+    s->count = end - index;
+}
+
 asdic_status asdic_footprint_find(asdic_context *ctx, const asdic_swath *s, const asdic_pose *pose,
-                                  const asdic_ground *ground, asdic_chart_area *out) {
+                                  const asdic_seafloor *ground, asdic_chart_area *out) {
     cut cuts[MOST_ACROSS];
     bool is_round = goes_round(s);
     size_t n = cut_swath(s, is_round, cuts);

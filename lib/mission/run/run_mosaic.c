@@ -35,7 +35,7 @@ typedef struct mosaic {
     asdic_run *run;
     asdic_run_info info;
     asdic_chart_data data;
-    asdic_ground ground; /* of DATA: the terrain; else without any */
+    asdic_seafloor ground; /* of DATA: the terrain; else without any */
     double bin_length_m, range_m, cell_m;
     double west_m, south_m;
     size_t columns, rows;
@@ -66,7 +66,7 @@ static void add_cell(mosaic *m, const asdic_record *record, asdic_mat3 axes, siz
     asdic_vec3 at_m = record->pose.position_m;
     double depth_m = at_m.z + (isfinite(record->altitude_m) ? record->altitude_m : 0.0);
     if (m->ground.relief->columns > 0) {
-        depth_m = asdic_ground_depth_m(&m->ground, north_m, east_m);
+        depth_m = asdic_seafloor_depth_m(&m->ground, north_m, east_m);
     }
     if (!isfinite(depth_m)) {
         return;
@@ -271,7 +271,7 @@ static asdic_status lay(mosaic *m, const asdic_render_options *options) {
     asdic_record record;
     TRY(find_extent(m));
     TRY(asdic_chart_data_read(m->ctx, m->run->folder, &m->data));
-    m->ground = (asdic_ground){.relief = &m->data.relief, .plane_depth_m = INFINITY};
+    m->ground = (asdic_seafloor){.relief = &m->data.relief, .plane_depth_m = INFINITY};
     TRY(asdic_run_read(m->run, 0, &record));
     bool is_given = options->tvg_db_per_decade != 0.0 || options->tvg_db_per_m != 0.0;
     m->db_per_decade = is_given ? options->tvg_db_per_decade : DB_PER_DECADE;

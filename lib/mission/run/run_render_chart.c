@@ -3,7 +3,7 @@
  */
 #include "base/context.h"
 #include "base/try.h"
-#include "out/beam_width.h"
+#include "base/vec.h"
 #include "out/digits.h"
 #include "out/raster.h"
 #include "run_footprint.h"
@@ -17,8 +17,7 @@
 
 /* Footprints are drawn at so many positions along the track. */
 #define PLACES 3
-/* More beams than these are of one colour, and one area where they are side by side. */
-#define MOST_APART ASDIC_SUMMARY_BEAMS
+#define MOST_APART ASDIC_SWATH_APART /* more beams are of one colour */
 
 /* Okabe & Ito's colours but for the track's. */
 static const uint32_t colors[MOST_APART] = {0x0072b2, 0x009e73, 0xcc79a7, 0xe69f00,
@@ -50,7 +49,7 @@ static asdic_beam *turned(const asdic_sweep *sweep, const asdic_beam *beam) {
 
 /* Where BEAM of a scanned sonar looks in a whole turn, at the place of RECORD. */
 static asdic_status find_turn(asdic_render *r, asdic_swath swath, const asdic_beam *beam,
-                              const asdic_record *record, const asdic_ground *ground,
+                              const asdic_record *record, const asdic_seafloor *ground,
                               asdic_chart_area *out) {
     const asdic_sweep *sweep = &r->run->settings.sweep;
     asdic_pose vehicle = asdic_sweep_vehicle(sweep, &record->pose, record->ping);
@@ -65,25 +64,9 @@ static asdic_status find_turn(asdic_render *r, asdic_swath swath, const asdic_be
     return status;
 }
 
-/* Beams from the one at INDEX on that make one area: all of a fan; else those at ascending bearings whose
- * lobes touch, for an outline round others would enclose what no beam sees. */
-static size_t side_by_side(const asdic_sonar *sonar, size_t index, double wavelength_m) {
-    size_t end = index + 1;
-    for (; end < sonar->receiver_count && !asdic_beams_make_fan(sonar); end++) {
-        const asdic_beam *beam = &sonar->receivers[end], *before = beam - 1;
-        double step_rad = beam->yaw_rad - before->yaw_rad;
-        double touch_rad = 0.5 * asdic_half_power_rad(wavelength_m, beam->length_h_m) +
-                           0.5 * asdic_half_power_rad(wavelength_m, before->length_h_m);
-        if (!(step_rad > 0.0 && step_rad <= touch_rad)) {
-            return end - index;
-        }
-    }
-    return sonar->receiver_count - index;
-}
-
 /* Adds the areas of all beams at one position. */
 static asdic_status add_place(asdic_render *r, sketch *s, const asdic_record *record,
-                              const asdic_ground *ground) {
+                              const asdic_seafloor *ground) {
     const asdic_sonar *sonar = r->info.sonar;
     double speed_mps =
         asdic_environment_sound_speed_mps(r->info.environment, record->pose.position_m.z);
@@ -96,8 +79,7 @@ static asdic_status add_place(asdic_render *r, sketch *s, const asdic_record *re
                          .range_m = (double)r->info.bins * r->run->facts.bin_length_m};
     for (size_t k = 0; k < sonar->receiver_count; k += swath.count) {
         asdic_chart_area *area = &s->areas[s->area_count];
-        swath.beams = &sonar->receivers[k];
-        swath.count = is_apart ? 1 : side_by_side(sonar, k, swath.wavelength_m);
+        asdic_swath_take(&swath, sonar, k);
         if (is_apart && is_scan) {
             TRY(find_turn(r, swath, swath.beams, record, ground, area));
         } else {
@@ -119,7 +101,7 @@ static asdic_status add_place(asdic_render *r, sketch *s, const asdic_record *re
     return ASDIC_OK;
 }
 
-static asdic_status add_areas(asdic_render *r, const asdic_ground *ground, sketch *s) {
+static asdic_status add_areas(asdic_render *r, const asdic_seafloor *ground, sketch *s) {
     const asdic_summary *summary = r->summary;
     size_t last = r->info.pings - 1,
            places = asdic_track_moves(summary->north_m, summary->east_m, summary->track_count)
@@ -142,7 +124,7 @@ static asdic_status add_areas(asdic_render *r, const asdic_ground *ground, sketc
     return ASDIC_OK;
 }
 
-static void describe_bottom(const asdic_render *r, const asdic_ground *ground, char text[64]) {
+static void describe_bottom(const asdic_render *r, const asdic_seafloor *ground, char text[64]) {
     if (strcmp(r->run->facts.bottom, ASDIC_RUN_BOTTOM_MESH) == 0) {
         snprintf(text, 64,
                  ground->relief->columns ? "relief lit from the north-west"
@@ -156,8 +138,8 @@ static void describe_bottom(const asdic_render *r, const asdic_ground *ground, c
     }
 }
 
-static asdic_status draw(asdic_render *r, const asdic_chart_data *data, const asdic_ground *ground,
-                         const sketch *s) {
+static asdic_status draw(asdic_render *r, const asdic_chart_data *data,
+                         const asdic_seafloor *ground, const sketch *s) {
     const asdic_summary *summary = r->summary;
     char title[256], note[640], bottom[64];
     uint64_t last = r->info.first_ping + r->info.pings - 1;
@@ -196,8 +178,8 @@ asdic_status asdic_render_chart(asdic_render *r) {
     sketch s = {0};
     bool is_plane = strcmp(r->run->facts.bottom, ASDIC_RUN_BOTTOM_PLANE) == 0;
     TRY(asdic_chart_data_read(r->ctx, r->run->folder, &data));
-    asdic_ground ground = {.relief = &data.relief,
-                           .plane_depth_m = is_plane ? summary->bottom_depth_m : INFINITY};
+    asdic_seafloor ground = {.relief = &data.relief,
+                             .plane_depth_m = is_plane ? summary->bottom_depth_m : INFINITY};
     asdic_chart_data_cut(&data, summary->statistics.first_time_s, summary->statistics.last_time_s);
     asdic_status status = add_areas(r, &ground, &s);
     status = status ? status : draw(r, &data, &ground, &s);

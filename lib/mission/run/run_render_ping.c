@@ -2,7 +2,6 @@
 
 #include "base/context.h"
 #include "base/try.h"
-#include "base/vec.h"
 #include "out/digits.h"
 #include "out/draw.h"
 #include "out/polar.h"
@@ -120,7 +119,7 @@ typedef struct scope {
 } scope;
 
 static asdic_status find_panels(asdic_render *r, const asdic_record *record, scope *s) {
-    /* Of many beams the one that looks ahead: asdic_summary_choose_beams. */
+    /* Of many beams the one that looks ahead: asdic_beam_ahead. */
     s->count = r->plan.beam_count <= ASDIC_RENDER_PANELS ? r->plan.beam_count : ASDIC_RENDER_PANELS;
     TRY(expect(r, record, s->count, &s->expected));
     for (size_t k = 0; k < s->count; k++) {
@@ -187,53 +186,22 @@ static asdic_status draw_fan(asdic_render *r, const asdic_record *record, const 
     return asdic_picture_fan(r->ctx, asdic_render_path(r, "fan_", number).text, fan, &options);
 }
 
-/* The beams of a section, clockwise on the page. */
-static asdic_status render_section(asdic_render *r, const asdic_record *record, const char *title,
-                                   const asdic_section *section) {
-    size_t beams = r->info.beams, bins = r->info.bins;
-    double *bearing_rad = malloc(beams * sizeof *bearing_rad);
-    float *levels_db = malloc(beams * bins * sizeof *levels_db);
-    asdic_status status =
-        bearing_rad && levels_db ? ASDIC_OK : asdic_fail_memory(r->ctx, "a fan picture");
-    for (size_t i = 0; !status && i < beams; i++) {
-        size_t beam = section->is_reversed ? beams - 1 - i : i;
-        bearing_rad[i] = asdic_section_bearing_rad(section, &r->info.sonar->receivers[beam],
-                                                   i > 0 ? bearing_rad[i - 1] : ASDIC_PI);
-        memcpy(levels_db + i * bins, record->level_db[ASDIC_TOTAL] + beam * bins,
-               bins * sizeof *levels_db);
-    }
-    if (!status) {
-        asdic_fan fan = {.levels_db = levels_db,
-                         .bearing_rad = bearing_rad,
-                         .beams = beams,
-                         .bins = bins,
-                         .bin_length_m = r->run->facts.bin_length_m,
-                         .is_section = true};
-        status = draw_fan(r, record, title, &fan, section->is_starboard ? "starboard" : "ahead");
-    }
-    free(bearing_rad);
-    free(levels_db);
-    return status;
-}
-
 static asdic_status render_beams(asdic_render *r, const asdic_record *record, const char *title) {
     asdic_section section;
-    if (asdic_section_of(r->info.sonar, &section)) {
-        return render_section(r, record, title, &section);
-    }
+    bool is_section = asdic_section_of(r->info.sonar, &section);
     double *bearing_rad = malloc(r->info.beams * sizeof *bearing_rad);
     if (!bearing_rad) {
         return asdic_fail_memory(r->ctx, "a fan picture");
     }
-    for (size_t i = 0; i < r->info.beams; i++) {
-        bearing_rad[i] = r->info.sonar->receivers[i].yaw_rad;
-    }
+    asdic_section_bearings(is_section ? &section : NULL, r->info.sonar, bearing_rad);
     asdic_fan fan = {.levels_db = record->level_db[ASDIC_TOTAL],
                      .bearing_rad = bearing_rad,
                      .beams = r->info.beams,
                      .bins = r->info.bins,
-                     .bin_length_m = r->run->facts.bin_length_m};
-    asdic_status status = draw_fan(r, record, title, &fan, NULL);
+                     .bin_length_m = r->run->facts.bin_length_m,
+                     .is_section = is_section};
+    const char *side = !is_section ? NULL : section.is_starboard ? "starboard" : "ahead";
+    asdic_status status = draw_fan(r, record, title, &fan, side);
     free(bearing_rad);
     return status;
 }

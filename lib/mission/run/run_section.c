@@ -33,6 +33,31 @@ double asdic_section_bearing_rad(const asdic_section *s, const asdic_beam *beam,
     return near_rad + remainder(bearing_rad - near_rad, 2.0 * ASDIC_PI);
 }
 
+void asdic_section_bearings(const asdic_section *s, const asdic_sonar *sonar, double *bearing_rad) {
+    size_t n = sonar->receiver_count;
+    double last_rad = ASDIC_PI;
+    for (size_t i = 0; i < n; i++) {
+        size_t beam = s && s->is_reversed ? n - 1 - i : i;
+        const asdic_beam *at = &sonar->receivers[beam];
+        bearing_rad[beam] = s ? asdic_section_bearing_rad(s, at, last_rad) : at->yaw_rad;
+        last_rad = bearing_rad[beam];
+    }
+}
+
+size_t asdic_beam_ahead(const asdic_sonar *sonar) {
+    asdic_section section;
+    size_t best = 0;
+    if (asdic_section_of(sonar, &section)) {
+        return (sonar->receiver_count - 1) / 2;
+    }
+    for (size_t i = 1; i < sonar->receiver_count; i++) {
+        bool is_nearer =
+            axis_of(&sonar->receivers[i]).x > axis_of(&sonar->receivers[best]).x + 1e-12;
+        best = is_nearer ? i : best;
+    }
+    return best;
+}
+
 /* Clockwise on the page, and less than once round. */
 static bool goes_round(const asdic_section *s, const asdic_sonar *sonar) {
     size_t n = sonar->receiver_count;

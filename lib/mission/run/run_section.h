@@ -21,4 +21,11 @@ bool asdic_section_of(const asdic_sonar *sonar, asdic_section *out);
 double asdic_section_bearing_rad(const asdic_section *section, const asdic_beam *beam,
                                  double near_rad);
 
+/* The same of all SONAR's beams, in their order; without a section their bearings. */
+void asdic_section_bearings(const asdic_section *section, const asdic_sonar *sonar,
+                            double *bearing_rad);
+
+/* The beam that stands for many: of a section the middle one, else the one that looks most nearly ahead. */
+size_t asdic_beam_ahead(const asdic_sonar *sonar);
+
 #endif

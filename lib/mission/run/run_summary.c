@@ -16,22 +16,6 @@ static bool wants(const asdic_summary *d, asdic_image image) {
     return (d->plan.images & 1u << image) != 0;
 }
 
-/* The beam that looks most nearly ahead stands for many; of a section the middle one. */
-static size_t ahead(const asdic_sonar *sonar) {
-    asdic_section section;
-    size_t best = 0;
-    if (asdic_section_of(sonar, &section)) {
-        return (sonar->receiver_count - 1) / 2;
-    }
-    for (size_t i = 1; i < sonar->receiver_count; i++) {
-        const asdic_beam *beam = &sonar->receivers[i], *other = &sonar->receivers[best];
-        if (fabs(beam->yaw_rad) < fabs(other->yaw_rad) - 1e-9) {
-            best = i;
-        }
-    }
-    return best;
-}
-
 asdic_status asdic_find_beam(asdic_context *ctx, const asdic_sonar *sonar, const char *name,
                              size_t *beam) {
     for (*beam = 0; *beam < sonar->receiver_count; ++*beam) {
@@ -53,7 +37,7 @@ asdic_status asdic_summary_choose_beams(asdic_context *ctx, const char *name,
         return asdic_find_beam(ctx, sonar, name, &plan->beams[0]);
     }
     if (sonar->receiver_count > ASDIC_SUMMARY_BEAMS) {
-        plan->beams[plan->beam_count++] = ahead(sonar);
+        plan->beams[plan->beam_count++] = asdic_beam_ahead(sonar);
         return ASDIC_OK;
     }
     while (plan->beam_count < sonar->receiver_count) {

@@ -48,8 +48,8 @@ typedef struct asdic_summary {
 asdic_status asdic_find_beam(asdic_context *ctx, const asdic_sonar *sonar, const char *name,
                              size_t *beam);
 
-/* Fills PLAN's beams: the one called NAME; without a name all, or of too many the one that looks
- * most nearly ahead. ASDIC_ERROR_ARGUMENT when there is no such beam. */
+/* Fills PLAN's beams: the one called NAME; without a name all, or of too many the one that
+ * stands for them (asdic_beam_ahead). ASDIC_ERROR_ARGUMENT when there is no such beam. */
 asdic_status asdic_summary_choose_beams(asdic_context *ctx, const char *name,
                                         asdic_summary_plan *plan);
 
