@@ -59,16 +59,11 @@ static asdic_status find_columns(cast_reader *r) {
 }
 
 /* Depth and sound speed of ROW. */
-static void take_row(const cast_reader *r, const double *row, size_t line, double pair[2]) {
+static void take_row(const cast_reader *r, const double *row, double pair[2]) {
     double salinity_ppt = r->columns.count > 2 ? row[2] : r->salinity_ppt;
     pair[0] = row[0];
     pair[1] =
         r->columns.items == speeds ? row[1] : sound_speed_medwin_mps(row[1], salinity_ppt, row[0]);
-    if (!(pair[1] >= ASDIC_SOUND_LEAST_MPS && pair[1] <= ASDIC_SOUND_MOST_MPS)) {
-        asdic_problems_add(r->b->problems, (unsigned)line, 1,
-                           "the sound speed of %.15g m/s is out of range [%g, %g]", pair[1],
-                           ASDIC_SOUND_LEAST_MPS, ASDIC_SOUND_MOST_MPS);
-    }
 }
 
 static asdic_yaml_node *add_node(const cast_reader *r, asdic_yaml_node *list, size_t line,
@@ -118,7 +113,7 @@ static asdic_status take_rows(const cast_reader *r, const double *rows, const si
     list->text = NULL;
     for (size_t i = 0; i < count; i++) {
         double pair[2];
-        take_row(r, rows + i * r->columns.count, lines[i], pair);
+        take_row(r, rows + i * r->columns.count, pair);
         if (!add_point(r, list, lines[i], pair)) {
             return asdic_fail_memory(r->b->ctx, "a cast");
         }

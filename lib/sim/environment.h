@@ -13,6 +13,9 @@
 #define ASDIC_SOUND_LEAST_MPS 1300.0
 #define ASDIC_SOUND_MOST_MPS 1700.0
 
+/* Whether point I of PROFILE cannot follow those before it; WHY says what is wrong with it. */
+bool asdic_sound_profile_flaw(const asdic_sound_profile *profile, size_t i, char *why, size_t size);
+
 typedef struct asdic_water_column {
     double sound_speed_mps, wavelength_m;
     double absorption_np_per_m; /* one-way decay of intensity: alpha ln 10 / 1e4 */

@@ -97,6 +97,8 @@ def test_errors_name_the_line():
     with Folder() as folder:
         for cast, line, part in (
                 (head + "0,1490\n5,1485\n5,1480\n", 4, "'depth_m' = 5 is not deeper than 5 at line 3"),
+                (head + "0,1490\n3.048,1485\n3.0480001,1484\n", 4, "a depth of 3.0480001 m is less than 0.001 m below the "
+                 "3.048 m before; leave one of the two out"),
                 (head + "0,1490\n5,1299\n", 3, "'sound_speed_mps' = 1299 is out of range [1300, 1700]"),
                 (head + "0,1490\n", 2, "1 point; a cast has 2 to 64"),
                 (head + "".join(f"{z},1490\n" for z in range(65)), 66, "65 points; a cast has 2 to 64"),
@@ -107,7 +109,7 @@ def test_errors_name_the_line():
                 ("# C\n\nDepth_m,Sound_Speed_mps\n0,1490\n", 3,
                  "none of the columns is known; the header is depth_m,sound_speed_mps in any order, or "
                  "depth_m,temperature_degc[,salinity_ppt]"),
-                ("depth_m,temperature_degc\n0,20\n11000,35\n", 3, "the sound speed of 1"),
+                ("depth_m,temperature_degc\n0,20\n11000,35\n", 3, "a sound speed of 1"),
                 ("depth_m;sound_speed_mps\n0;1490\n5;1480\n", 1, "separated by semicolons; they must be by commas"),
                 (head + "0,1490,5\n5,1485\n6,1484\n", 2, "3 fields, but the header has 2")):
             err = refused(folder, FILE, cast)
@@ -125,6 +127,8 @@ def test_scenes_are_judged_as_a_whole():
                 ("{sound_speed_profile: [[0, 1490], [5, 1480], [4, 1470], [9, 1480]]}",
                  "a depth of 4 m is not below the 5 m before"),
                 ("{sound_speed_profile: [[0, 1490], [5, 1480], [5, 1470]]}", "5 m is not below the 5 m before"),
+                ("{sound_speed_profile: [[0, 1490], [7, 1485], [7.000001, 1480]]}",
+                 "7.000001 m is less than 0.001 m below the 7 m before"),
                 ("{sound_speed_profile: [[0, 1490], [5, 1800]]}", "1800 m/s is out of range [1300, 1700] m/s"),
                 ("{sound_speed_profile: [[0, 1490]]}", "1 entries"),
                 ("{sound_speed_profile: gone.csv}", "gone.csv"),

@@ -21,7 +21,7 @@ typedef enum asdic_variant { ASDIC_VARIANT_CORRECTED, ASDIC_VARIANT_PRINTED } as
 /* Sound speed over depth: linear between points, constant above the first and below the last. */
 typedef struct asdic_sound_profile {
     size_t points;                                /* 0: no profile; else 2..ASDIC_PROFILE_POINTS */
-    double depth_m[ASDIC_PROFILE_POINTS];         /* 0..11000, each more than the one before */
+    double depth_m[ASDIC_PROFILE_POINTS];         /* 0..11000, 1e-3 apart or more */
     double sound_speed_mps[ASDIC_PROFILE_POINTS]; /* 1300..1700 */
 } asdic_sound_profile;
 

@@ -73,11 +73,10 @@ static void check_names(asdic_list list, size_t size, size_t offset, const char 
     }
 }
 
-/* Points of a profile descend from the surface, and its speeds are those of water. */
-static void check_profile(const file_environment *e, asdic_problems *problems) {
-    asdic_yaml_node *node = asdic_yaml_child(e->node, "sound_speed_profile");
-    const double *pair = e->sound_speed_profile.items;
-    asdic_yaml_node *fixed = asdic_yaml_child(e->node, "sound_speed_mps");
+static void check_profile(const asdic_scene_file *file, asdic_problems *problems) {
+    asdic_yaml_node *node = asdic_yaml_child(file->environment.node, "sound_speed_profile");
+    const asdic_sound_profile profile = asdic_scene_file_environment(file).sound_speed_profile;
+    asdic_yaml_node *fixed = asdic_yaml_child(file->environment.node, "sound_speed_mps");
     if (!asdic_scene_node_good(node)) {
         return;
     }
@@ -86,18 +85,11 @@ static void check_profile(const file_environment *e, asdic_problems *problems) {
                                "'sound_speed_mps' has no effect beside 'sound_speed_profile'; give "
                                "only one of them");
     }
-    for (asdic_yaml_node *item = node->first; item; item = item->next, pair += 2) {
-        if (item != node->first && !(pair[0] > pair[-2])) {
-            asdic_yaml_problem(problems, item,
-                               "a depth of %.15g m is not below the %.15g m before; order the "
-                               "points from the surface down, each depth once",
-                               pair[0], pair[-2]);
-            return;
-        }
-        if (!(pair[1] >= ASDIC_SOUND_LEAST_MPS && pair[1] <= ASDIC_SOUND_MOST_MPS)) {
-            asdic_yaml_problem(problems, item,
-                               "a sound speed of %.6g m/s is out of range [%g, %g] m/s", pair[1],
-                               ASDIC_SOUND_LEAST_MPS, ASDIC_SOUND_MOST_MPS);
+    size_t i = 0;
+    for (asdic_yaml_node *item = node->first; item; item = item->next, i++) {
+        char why[256];
+        if (asdic_sound_profile_flaw(&profile, i, why, sizeof why)) {
+            asdic_yaml_problem(problems, item, "%s", why);
             return;
         }
     }
@@ -489,7 +481,7 @@ void asdic_scene_file_check(asdic_scene_file *file, asdic_arena *arena, asdic_pr
         asdic_yaml_problem(problems, at(file->sonar.node, "file"),
                            "the sonar's 'file' = %.200s is not here to be read", file->sonar.file);
     }
-    check_profile(&file->environment, problems);
+    check_profile(file, problems);
     check_gradient(file, problems);
     check_sonar(file, arena, problems);
     check_coherent(file, problems);
