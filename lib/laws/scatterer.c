@@ -28,6 +28,11 @@ double asdic_scatterer_uncertainty_db(const asdic_scatterer *s) {
     return law && law->uncertainty_db ? law->uncertainty_db(s) : NAN;
 }
 
+double asdic_scatterer_knot_deg(const asdic_scatterer *s, size_t index) {
+    const asdic_law *law = s->material.law;
+    return law->knot_deg ? law->knot_deg(s, index) : NAN;
+}
+
 void asdic_scatterer_silence(asdic_scatterer *s) {
     s->silent = true;
     s->device.formula[0] = 0.0f; /* the gain of the surface's formula */
@@ -42,13 +47,12 @@ double asdic_scatterer_strength(const asdic_scatterer *s, double sine) {
 /* Calls VISIT at sines that miss nothing a law may have: close near normal incidence, at its knots. */
 static void visit_angles(const asdic_scatterer *s,
                          void (*visit)(const asdic_scatterer *, double, void *), void *user) {
-    const asdic_law *law = s->material.law;
     for (int i = 0; i <= STEPS; i++) {
         double cosine = pow(LEAST, (double)i / STEPS);
         visit(s, sqrt((1.0 - cosine) * (1.0 + cosine)), user);
     }
-    for (size_t i = 0; law->knot_deg && !isnan(law->knot_deg(s, i)); i++) {
-        visit(s, sin(law->knot_deg(s, i) * (ASDIC_PI / 180.0)), user);
+    for (size_t i = 0; !isnan(asdic_scatterer_knot_deg(s, i)); i++) {
+        visit(s, sin(asdic_scatterer_knot_deg(s, i) * (ASDIC_PI / 180.0)), user);
     }
     visit(s, 1.0, user);
 }

@@ -93,6 +93,9 @@ asdic_scatterer asdic_scatterer_at(const asdic_material *material, const asdic_l
 /* How far S may lie from nature by the law's own source, dB either way; NAN: the source does not say. */
 double asdic_scatterer_uncertainty_db(const asdic_scatterer *s);
 
+/* Its law's knot_deg at INDEX, NAN after the last. */
+double asdic_scatterer_knot_deg(const asdic_scatterer *s, size_t index);
+
 /* Makes it return nothing. */
 void asdic_scatterer_silence(asdic_scatterer *s);
 

@@ -161,7 +161,7 @@ asdic_status asdic_law_tables_add(asdic_context *ctx, asdic_scatterer *s, asdic_
             return asdic_fail_memory(ctx, "the table of a scattering law");
         }
     }
-    while (law->knot_deg && !isnan(law->knot_deg(s, count))) {
+    while (!isnan(asdic_scatterer_knot_deg(s, count))) {
         count++;
     }
     double *knots_deg = malloc((count + 1) * sizeof *knots_deg);
@@ -169,7 +169,7 @@ asdic_status asdic_law_tables_add(asdic_context *ctx, asdic_scatterer *s, asdic_
         return asdic_fail_memory(ctx, "the angles of a scattering law");
     }
     for (size_t i = 0; i < count; i++) {
-        knots_deg[i] = law->knot_deg(s, i);
+        knots_deg[i] = asdic_scatterer_knot_deg(s, i);
     }
     asdic_status status = s->silent ? ASDIC_OK
                                     : asdic_law_table_add(ctx, strength, s, knots_deg, count, out,

@@ -104,13 +104,25 @@ static double boundary_density(double s, void *user) {
     return ring.area * transmission(in->laws, ring.range) * strength * sum;
 }
 
+/* Cut at the knots of the scattering law, steeper angles first, which are nearer. */
 static double boundary_energy(integrand *in, double begin_m, double end_m) {
-    double h = in->height_m;
-    if (end_m <= h) {
-        return 0.0;
+    const asdic_scatterer *law = in->surface ? &in->laws->surface : &in->laws->bottom;
+    double h = in->height_m, from_m = begin_m, sum = 0.0;
+    size_t knots = 0;
+    while (!isnan(asdic_scatterer_knot_deg(law, knots))) {
+        knots++;
     }
-    return integrate(boundary_density, in, ray_ring_coordinate(h, begin_m),
-                     ray_ring_coordinate(h, end_m), turn_of(h, begin_m, end_m));
+    while (from_m < end_m && end_m > h) {
+        double to_m = end_m;
+        if (knots > 0) {
+            double sine = sin(asdic_scatterer_knot_deg(law, --knots) * (ASDIC_PI / 180.0));
+            to_m = fmin(fmax(h / sine, from_m), end_m);
+        }
+        sum += integrate(boundary_density, in, ray_ring_coordinate(h, from_m),
+                         ray_ring_coordinate(h, to_m), turn_of(h, from_m, to_m));
+        from_m = to_m;
+    }
+    return sum;
 }
 
 double asdic_flat_solid_angle(const asdic_flat_scene *flat, const asdic_ring_profile *profile,

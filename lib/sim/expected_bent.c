@@ -11,8 +11,8 @@
  *     dE = G(e) s_V exp(-2 K (L - 1)) (c / c_s)^2 / S  dd cos e de .
  *
  * In water of one speed S = d^2, and both are the integrals of expected.c. Rays are integrated over e
- * between the angles at which they graze a plane, with cuts where they end on a bin's edge and where
- * they meet a caustic. A ray ends at the first boundary.
+ * between the angles at which they graze a plane, with cuts where they end on a bin's edge or at a knot of
+ * its scattering law and where they meet a caustic. A ray ends at the first boundary.
  */
 #include "expected_bent.h"
 
@@ -31,6 +31,9 @@
 /* Phases of a two-way pattern, in cycles, that sixteen nodes hold, and four. */
 #define CYCLES16 0.8
 #define CYCLES4 0.02
+
+/* What rises by more within a bin, as between two knots of a curve, takes more than four nodes. */
+#define STEEP 2.0
 
 #define HALVINGS 10
 
@@ -400,7 +403,23 @@ static asdic_status go_on(asdic_context *ctx) {
                : ASDIC_OK;
 }
 
+/* Where rays meet the plane PLANE_M deep at an angle at which its LAW has a knot: by Snell's law whatever their way. */
+static asdic_status cut_at_knots(asdic_context *ctx, const bent_job *job, const stretch *w,
+                                 const asdic_scatterer *law, double plane_m, cut_list *cuts) {
+    double slower = job->speed_mps / asdic_layers_speed_mps(&job->layers, plane_m), deg;
+    for (size_t i = 0; deg = asdic_scatterer_knot_deg(law, i), !isnan(deg); i++) {
+        double elevation = acos(slower * cos(deg * (ASDIC_PI / 180.0))); /* NAN: none does */
+        for (int side = -1; side <= 1; side += 2) {
+            if (side * elevation > w->begin_rad && side * elevation < w->end_rad) {
+                TRY(append(ctx, cuts, position_of(w, side * elevation)));
+            }
+        }
+    }
+    return ASDIC_OK;
+}
+
 static asdic_status find_cuts(asdic_context *ctx, bent_job *job, const stretch *w, cut_list *cuts) {
+    const asdic_flat_scene *flat = &job->laws->flat;
     int steps = (int)ceil(SEARCH * w->share);
     double before_s = 1e-5;
     ray_outcome before = follow(job, elevation_at(w, before_s), false);
@@ -423,16 +442,30 @@ static asdic_status find_cuts(asdic_context *ctx, bent_job *job, const stretch *
         before = here;
         before_s = s;
     }
+    if (flat->has_bottom) {
+        TRY(cut_at_knots(ctx, job, w, &job->laws->bottom, flat->depth_m + flat->altitude_m, cuts));
+    }
+    if (flat->has_surface) {
+        TRY(cut_at_knots(ctx, job, w, &job->laws->surface, 0.0, cuts));
+    }
     TRY(append(ctx, cuts, 1.0));
     asdic_sort_doubles(cuts->s, cuts->count);
     return ASDIC_OK;
 }
 
+/* Whether what the ends of the rays from S0 to S1 give changes so little that four nodes hold it. */
+static bool is_even(bent_job *job, const stretch *w, double s0, double s1) {
+    ray_outcome a = follow(job, elevation_at(w, s0 + 0.01 * (s1 - s0)), false);
+    ray_outcome b = follow(job, elevation_at(w, s1 - 0.01 * (s1 - s0)), false);
+    double at_a = boundary(job, &a), at_b = boundary(job, &b);
+    return at_a <= STEEP * at_b && at_b <= STEEP * at_a;
+}
+
 static panel_kind kind_of(bent_job *job, const stretch *w, double s0, double s1) {
     ray_outcome middle = follow(job, elevation_at(w, 0.5 * (s0 + s1)), false);
     if (middle.end != ENDS_NOWHERE) {
-        bool narrow =
-            (s1 - s0) * w->share < 0.5 / SEARCH && middle.range_m > 8.0 * job->sonar->bin_length_m;
+        bool narrow = (s1 - s0) * w->share < 0.5 / SEARCH &&
+                      middle.range_m > 8.0 * job->sonar->bin_length_m && is_even(job, w, s0, s1);
         return narrow ? PANEL_NARROW : PANEL_WIDE;
     }
     for (int i = 0; i <= 16; i++) {

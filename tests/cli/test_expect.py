@@ -172,6 +172,29 @@ def test_a_picture_without_levels_has_a_window():
         tap.equal(float(texts["db_low"]) < float(texts["db_high"]), True, "window")
 
 
+def test_narrow_peaks_of_a_curve_are_met():
+    """Up and down by 60 dB within 0.005 degrees each: along a line in dB strength is (s1 - s0) / ln(s1 / s0) in the mean,
+    and the range h / sin goes by h cos / sin^2 with the angle. A gradient this small changes nothing but the way it is
+    computed."""
+    flat, peak = "20,-60\n90,-60\n", "20,-60\n20.005,0\n20.01,-60\n90,-60\n"
+    angle, bin_m, height_m = math.radians(20.005), 0.25, 5
+    mean = (1 - 1e-6) / math.log(1e6)
+    width_m = math.radians(0.01) * height_m * math.cos(angle) / math.sin(angle)**2
+    rise_db = 10 * math.log10(1 + (mean / 1e-6 - 1) * width_m / bin_m)
+    number = int(height_m / math.sin(angle) / bin_m)
+    scene = SCENE.replace("type: sand", "curve: curve.csv").replace("bin_length_m: 0.5", "bin_length_m: 0.25")
+    scene = scene.replace("transmitter: {length_h_m: 0.05, length_v_m: 0.05}", "transmitter: {length_h_m: 0.005, length_v_m: 0.005}")
+    with Folder() as folder:
+        for gradient in 0, 1e-5, -1e-5:
+            water = f"{{sound_speed_mps: 1500, sound_speed_gradient_per_s: {gradient}, "
+            levels = []
+            for rows in flat, peak:
+                folder.write("curve.csv", "grazing_deg,strength_db\n0,-60\n" + rows)
+                found = expected(folder, scene=scene.replace("environment: {", "environment: " + water))
+                levels.append(float(found["down", number]["bottom_db"]))
+            tap.equal(abs(levels[1] - levels[0] - rise_db) < 0.03, True, f"a rise of {levels[1] - levels[0]}, not {rise_db}")
+
+
 def curves_of(svg):
     """Points of every line of a picture, in pixels."""
     for path in re.findall(r"<path [^>]*stroke[:=][^>]* d=\"([^\"]*)\"", svg):
