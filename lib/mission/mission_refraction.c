@@ -306,7 +306,8 @@ static void say_change(char *text, size_t size, double db) {
     if (isinf(db)) {
         snprintf(text, size, "move an object into or out of a shadow");
     } else {
-        snprintf(text, size, "change a level by up to %.3g dB", db);
+        snprintf(text, size, "change a level by %s %.3g dB", db < 1e-3 ? "less than" : "up to",
+                 fmax(db, 1e-3));
     }
 }
 
