@@ -116,8 +116,8 @@ const asdic_law asdic_law_rough_facet = {
                           .numeric = true,
                           .fallback = 0.1,
                           .max = 2.0,
-                          .valid_max = 2.0,
-                          .doc = "r.m.s. slope of the roughness"},
+                          .valid_max = 0.31622777, /* as far as a facet's strength: 0.1 squared */
+                          .doc = "r.m.s. slope of the roughness; beyond 0.7071 as there"},
                [AREA] = {.name = "coherent_area_m2",
                          .numeric = true,
                          .fallback = NAN,

@@ -201,7 +201,10 @@ asdic_remarks asdic_mission_remarks(const asdic_mission *mission) {
     if (isnan(env->sound_speed_mps)) { /* computed */
         remark(asdic_model_get(MODEL_SOUND_SPEED), NULL, &s, &out);
     }
-    remark(asdic_model_get(MODEL_ABSORPTION), NULL, &s, &out);
+    situation absorbing = s;
+    absorbing.z_m = isnan(env->max_depth_m) ? s.z_m : env->max_depth_m;
+    remark(asdic_model_get(MODEL_ABSORPTION), NULL, &absorbing, &out);
+    remark(asdic_model_get(MODEL_VOLUME_BACKSCATTER), NULL, &s, &out);
     const asdic_scene *scene = mission->scene;
     for (size_t i = 0; i < scene->material_count; i++) {
         const asdic_material *material = &scene->materials[i];

@@ -586,6 +586,27 @@ def test_laws_beyond_their_sources_are_remarked_once():
             tap.equal(json.load(file)["remarks"], expected, "remarks of a merged run")
 
 
+def test_depth_of_absorption_water_and_facets_beyond_their_sources_are_remarked():
+    """As `asdic model` warns of the same numbers."""
+    deep = MINIMAL.replace("version: 1", "version: 1\nenvironment: {max_depth_m: 9000}")
+    ball = "\nobjects: [{name: ball, sphere: {radius_m: 0.5}, position_m: [20, 0, 8], material: {slope_rms: %s}}]"
+    high = MINIMAL.replace("frequency_khz: 100", "frequency_khz: 2500").replace("{depth_m: 12}", "none")
+    with folder() as at:
+        for scene, remarks in (
+                (deep, ["absorption: outside the validity of its source, with 'z_m' = 9000 not in [0, 3500]"]),
+                (high.replace("bottom:", "surface: {enabled: false}\nbottom:"), [
+                    "absorption: outside the validity of its source, with 'f_khz' = 2500 not in [0.2, 1000]",
+                    "volume-backscatter: outside the validity of its source, with 'f_khz' = 2500 not in [0.1, 1000]"]),
+                (MINIMAL + ball % 0.31, []),
+                (MINIMAL + ball % 0.7, ["rough-facet: outside the validity of its source, with 'slope_rms' = 0.7 not in "
+                                        "[0, 0.316228]"])):
+            path = os.path.join(at, "scene.yaml")
+            with open(path, "w", encoding="utf-8") as file:
+                file.write(scene)
+            [found] = json.loads(asdic("check", "--json", path).check(code=0).out)
+            tap.equal([text for text in found["remarks"] if "outside" in text], remarks)
+
+
 def test_numbers_of_a_sediment_beyond_the_handbook_are_remarked():
     handbook = MINIMAL.replace("frequency_khz: 100", "frequency_khz: 300").replace(
         "{depth_m: 12}", "{depth_m: 12, sediment: medium_sand, density_ratio: 4}").replace(
