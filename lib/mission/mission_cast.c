@@ -1,6 +1,7 @@
 /*
  * A cast from a file of its own: its points go into the scene's tree in place of the file's name, as
- * depths and sound speeds.
+ * depths and sound speeds. Where the environment has no temperature or salinity, for absorption, those of the
+ * cast go there, in the mean over the depths of the water.
  */
 #include "mission_build.h"
 
@@ -14,6 +15,7 @@
 
 #include "../../kernels/water.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -32,6 +34,8 @@ typedef struct cast_reader {
     mission_builder *b;
     const char *path;
     asdic_columns columns;
+    asdic_yaml_node *environment;
+    double depth_m;      /* of a flat bottom; NAN: none is given */
     double salinity_ppt; /* where the file has none */
 } cast_reader;
 
@@ -79,21 +83,58 @@ static asdic_yaml_node *add_node(const cast_reader *r, asdic_yaml_node *list, si
     return node;
 }
 
+static bool add_number(const cast_reader *r, asdic_yaml_node *list, const char *key, size_t line,
+                       double value) {
+    char digits[ASDIC_DIGITS_SIZE];
+    size_t length = asdic_digits_double(digits, value);
+    char *text = asdic_arena_string(r->b->arena, digits, length);
+    asdic_yaml_node *number = text ? add_node(r, list, line, ASDIC_YAML_SCALAR) : NULL;
+    if (number) {
+        number->text = text;
+        number->length = length;
+        number->key = key;
+        number->key_length = key ? strlen(key) : 0;
+    }
+    return number != NULL;
+}
+
 static bool add_point(const cast_reader *r, asdic_yaml_node *list, size_t line,
                       const double pair[2]) {
     asdic_yaml_node *point = add_node(r, list, line, ASDIC_YAML_LIST);
-    for (int i = 0; point && i < 2; i++) {
-        char digits[ASDIC_DIGITS_SIZE];
-        asdic_yaml_node *number = add_node(r, point, line, ASDIC_YAML_SCALAR);
-        size_t length = asdic_digits_double(digits, pair[i]);
-        number = number && (number->text = asdic_arena_string(r->b->arena, digits, length)) ? number
-                                                                                            : NULL;
-        if (!number) {
-            return false;
-        }
-        number->length = length;
+    return point && add_number(r, point, NULL, line, pair[0]) &&
+           add_number(r, point, NULL, line, pair[1]);
+}
+
+/* The mean of COLUMN from the surface to DEPTH_M: on straight lines between COUNT rows, constant outside. */
+static double mean_of(const cast_reader *r, const double *rows, size_t count, size_t column,
+                      double depth_m) {
+    double above_m = 0.0, above = rows[column], sum = 0.0;
+    for (size_t i = 0; i <= count && above_m < depth_m; i++) {
+        const double *row = rows + (i < count ? i : count - 1) * r->columns.count;
+        double below_m = i < count ? row[0] : depth_m, below = row[column];
+        double share = below_m > depth_m ? (depth_m - above_m) / (below_m - above_m) : 1.0;
+        below_m = fmin(below_m, depth_m);
+        below = above + share * (below - above);
+        sum += 0.5 * (above + below) * (below_m - above_m);
+        above_m = below_m;
+        above = below;
     }
-    return point != NULL;
+    return sum / depth_m;
+}
+
+/* What absorption is to take of the cast, to a thousandth. */
+static bool add_means(const cast_reader *r, const double *rows, size_t line, size_t count) {
+    double last_m = rows[(count - 1) * r->columns.count];
+    double depth_m = r->depth_m > 0.0 ? r->depth_m : last_m;
+    bool good = true;
+    for (size_t c = 1; r->columns.items == temperatures && c < r->columns.count; c++) {
+        const char *key = temperatures[c].name;
+        if (!asdic_yaml_child(r->environment, key)) {
+            double mean = mean_of(r, rows, count, c, depth_m);
+            good = good && add_number(r, r->environment, key, line, round(1e3 * mean) / 1e3);
+        }
+    }
+    return good;
 }
 
 /* The rows as points of LIST. */
@@ -118,7 +159,7 @@ static asdic_status take_rows(const cast_reader *r, const double *rows, const si
             return asdic_fail_memory(r->b->ctx, "a cast");
         }
     }
-    return ASDIC_OK;
+    return add_means(r, rows, lines[0], count) ? ASDIC_OK : asdic_fail_memory(r->b->ctx, "a cast");
 }
 
 /* The number of MAP's KEY, or FALLBACK. */
@@ -158,6 +199,8 @@ asdic_status asdic_mission_include_cast(mission_builder *b, asdic_yaml_node *roo
     }
     cast_reader r = {.b = b,
                      .path = asdic_mission_resolve(b, named->text),
+                     .environment = environment,
+                     .depth_m = number_of(asdic_yaml_child(root, "bottom"), "depth_m", NAN),
                      .salinity_ppt = number_of(environment, "salinity_ppt", 35.0)};
     if (!r.path) {
         return asdic_fail_memory(b->ctx, "the name of the cast");

@@ -87,9 +87,39 @@ def test_temperatures_become_speeds():
             text = "# a cast\n\ndepth_m,temperature_degc" + (",salinity_ppt\n" if salty else "\n")
             text += "".join(f"{z},{t}" + (f",{s}\n" if salty else "\n") for z, t, s in rows)
             points = ", ".join(f"[{z}, {medwin(t, s if salty else 12, z)!r}]" for z, t, s in rows)
-            own = levels(folder, "{salinity_ppt: 12, sound_speed_profile: [%s]}" % points)
-            read = levels(folder, "{salinity_ppt: 12, sound_speed_profile: cast.csv}", text)
+            own = levels(folder, "{temperature_degc: 9, salinity_ppt: 12, sound_speed_profile: [%s]}" % points)
+            read = levels(folder, "{temperature_degc: 9, salinity_ppt: 12, sound_speed_profile: cast.csv}", text)
             check(same(own, read, 1e-6), "by Medwin's equation")
+
+
+def absorption(folder, water, text, bottom="{depth_m: 12, type: sand}"):
+    folder.write("cast.csv", text)
+    path = folder.write("scene.yaml", SCENE.format(water=water).replace("{depth_m: 12, type: sand}", bottom))
+    found = json.loads(asdic("check", path, "--json").check(code=0).out)[0]
+    return found["absorption_db_per_km"]
+
+
+def test_absorption_takes_the_temperatures_of_the_cast():
+    """Their mean from the surface to the bottom, on lines between the rows and constant outside; what the scene gives
+    itself stays."""
+    head, salty = "depth_m,temperature_degc\n", "depth_m,temperature_degc,salinity_ppt\n"
+    with Folder() as folder:
+        for text, own in (
+                (salty + "0,20,0.1\n12,8,0.1\n", "14, salinity_ppt: 0.1"),
+                (salty + "4,20,10\n12,8,10\n", "16, salinity_ppt: 10"),  # (4 * 20 + 8 * 14) / 12
+                (salty + "0,20,30\n24,8,36\n", "17, salinity_ppt: 31.5"),  # the upper half of the lines
+                (salty + "0,20,30\n6,8,36\n", "11, salinity_ppt: 34.5"),  # 14 and 33 above 8 and 36
+                (head + "0,20\n12,8\n", "14")):
+            water = "{sound_speed_profile: cast.csv%s}"
+            tap.equal(absorption(folder, water % "", text), absorption(folder, water % f", temperature_degc: {own}", text))
+            points = water % f", temperature_degc: {own}"
+            check(same(levels(folder, water % "", text), levels(folder, points, text), 0), "levels too")
+        lake = salty + "0,20,0.1\n12,8,0.1\n24,2,0.1\n"
+        tap.equal(absorption(folder, water % "", lake, "none"),
+                  absorption(folder, water % ", temperature_degc: 9.5", lake, "none"))  # (12 * 14 + 12 * 5) / 24
+        sea = absorption(folder, water % ", salinity_ppt: 35, temperature_degc: 10", lake)
+        tap.equal(sea, absorption(folder, "{sound_speed_mps: 1490}", lake))
+        check(absorption(folder, water % "", lake) < 0.2 * sea, "a lake absorbs little")
 
 
 def test_errors_name_the_line():
