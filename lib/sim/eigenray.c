@@ -5,8 +5,10 @@
 
 #include <math.h>
 
-/* Elevations that are tried on a stretch between grazing rays. */
+/* Elevations that are tried on a stretch between grazing rays: for the loudest rays, and for more, which near a channel's
+ * axis lie dense. */
 #define SEARCH 32
+#define FINE_SEARCH 128
 /* What a ray may miss its end by, m. */
 #define MISS 1e-3
 /* What is nearer than this horizontally, m, lies straight above or below. */
@@ -17,7 +19,7 @@ typedef struct search {
     const asdic_layers *layers;
     double from_m, to_m, across_m;
     asdic_eigenray *found;
-    size_t count;
+    size_t most, count;
 } search;
 
 /* ---- One ray ---- */
@@ -82,15 +84,15 @@ static asdic_eigenray ray_of(const search *s, double elevation_rad) {
 
 /* Keeps the rays of the least spreading. */
 static void keep(search *s, const asdic_eigenray *ray) {
-    size_t at = s->count < ASDIC_MOST_EIGENRAYS ? s->count++ : ASDIC_MOST_EIGENRAYS;
+    size_t at = s->count < s->most ? s->count++ : s->most;
     double spread = asdic_bent_ray_spread_m2(&ray->end);
     while (at > 0 && spread < asdic_bent_ray_spread_m2(&s->found[at - 1].end)) {
-        if (at < ASDIC_MOST_EIGENRAYS) {
+        if (at < s->most) {
             s->found[at] = s->found[at - 1];
         }
         at--;
     }
-    if (at < ASDIC_MOST_EIGENRAYS) {
+    if (at < s->most) {
         s->found[at] = *ray;
     }
 }
@@ -130,9 +132,10 @@ static asdic_eigenray find_fold(const search *s, asdic_eigenray a, asdic_eigenra
  * two places at one depth of even water, lies between two stretches. */
 static asdic_eigenray look_along(search *s, asdic_eigenray before, double begin_rad,
                                  double end_rad) {
-    for (int i = 0; i <= SEARCH; i++) {
+    const int steps = s->most > ASDIC_MOST_EIGENRAYS ? FINE_SEARCH : SEARCH;
+    for (int i = 0; i <= steps; i++) {
         /* Denser to the ends, where depth goes as the root of the distance, and just off them. */
-        double half = sin(0.5 * ASDIC_PI * i / SEARCH), share = half * half;
+        double half = sin(0.5 * ASDIC_PI * i / steps), share = half * half;
         share = fmin(fmax(share, 1e-12), 1.0 - 1e-12);
         asdic_eigenray here = ray_of(s, begin_rad + share * (end_rad - begin_rad));
         if (!isnan(before.end.z_m) && !isnan(here.end.z_m)) {
@@ -169,9 +172,9 @@ static size_t find_edges(const search *s, double *edges) {
     return count;
 }
 
-size_t asdic_eigenrays_find(const asdic_layers *layers, double from_m, double to_m, double across_m,
-                            asdic_eigenray found[ASDIC_MOST_EIGENRAYS]) {
-    search s = {layers, from_m, to_m, across_m, found, 0};
+size_t asdic_eigenrays_find_more(const asdic_layers *layers, double from_m, double to_m,
+                                 double across_m, size_t most, asdic_eigenray *found) {
+    search s = {layers, from_m, to_m, across_m, found, most, 0};
     double edges[MOST_EDGES];
     if (across_m < VERTICAL) {
         asdic_eigenray ray = ray_of(&s, copysign(0.5 * ASDIC_PI, to_m - from_m));
@@ -186,6 +189,11 @@ size_t asdic_eigenrays_find(const asdic_layers *layers, double from_m, double to
         }
     }
     return s.count;
+}
+
+size_t asdic_eigenrays_find(const asdic_layers *layers, double from_m, double to_m, double across_m,
+                            asdic_eigenray found[ASDIC_MOST_EIGENRAYS]) {
+    return asdic_eigenrays_find_more(layers, from_m, to_m, across_m, ASDIC_MOST_EIGENRAYS, found);
 }
 
 /* ---- Legs ---- */
@@ -210,10 +218,12 @@ size_t asdic_eigenray_legs(const asdic_layers *layers, double from_m, double acr
     return list.count;
 }
 
+/* How far up and down a ray goes, and how often it turns. */
 typedef struct strait {
     const asdic_layers *layers;
-    double top_m, bottom_m;
-    bool kept;
+    double top_m, bottom_m; /* it ends where it goes beyond */
+    double least_m, most_m;
+    int turns;
 } strait;
 
 /* Where it turns, sin(theta) = 0, it is where the speed is 1 / p. */
@@ -226,14 +236,23 @@ static bool keep_leg(void *to, const asdic_bent_ray *from, const asdic_bent_ray 
             layer->origin_m + (1.0 / from->level_spm - layer->speed_mps) / layer->gradient_per_s;
         least = fmin(least, turn);
         most = fmax(most, turn);
+        s->turns++;
     }
-    s->kept = s->kept && least >= s->top_m && most <= s->bottom_m;
-    return s->kept;
+    s->least_m = fmin(s->least_m, least);
+    s->most_m = fmax(s->most_m, most);
+    return least >= s->top_m && most <= s->bottom_m;
 }
 
 bool asdic_eigenray_keeps_between(const asdic_layers *layers, double from_m, double across_m,
                                   const asdic_eigenray *ray, double top_m, double bottom_m) {
-    strait s = {layers, top_m - MISS, bottom_m + MISS, true};
+    strait s = {layers, top_m - MISS, bottom_m + MISS, INFINITY, -INFINITY, 0};
     march(layers, from_m, ray->end.z_m, across_m, ray->elevation_rad, keep_leg, &s);
-    return s.kept;
+    return s.least_m >= s.top_m && s.most_m <= s.bottom_m;
+}
+
+double asdic_eigenray_swing_m(const asdic_layers *layers, double from_m, double across_m,
+                              const asdic_eigenray *ray) {
+    strait s = {layers, -INFINITY, INFINITY, INFINITY, -INFINITY, 0};
+    march(layers, from_m, ray->end.z_m, across_m, ray->elevation_rad, keep_leg, &s);
+    return s.turns < 2 ? INFINITY : s.most_m - s.least_m;
 }

@@ -11,7 +11,7 @@
 
 #include "bent_ray.h"
 
-/* Of more rays between two places those of the least spreading are kept. */
+/* Of more rays between two places those of the least spreading are kept: enough for what the loudest tell. */
 #define ASDIC_MOST_EIGENRAYS 6
 /* Legs of one ray, at most. */
 #define ASDIC_MOST_EIGENRAY_LEGS 256
@@ -24,6 +24,14 @@ typedef struct asdic_eigenray {
 /* Rays from FROM_M deep to TO_M deep, ACROSS_M away horizontally; returns how many. */
 size_t asdic_eigenrays_find(const asdic_layers *layers, double from_m, double to_m, double across_m,
                             asdic_eigenray found[ASDIC_MOST_EIGENRAYS]);
+
+/* The same of MOST rays, more than that. */
+size_t asdic_eigenrays_find_more(const asdic_layers *layers, double from_m, double to_m,
+                                 double across_m, size_t most, asdic_eigenray *found);
+
+/* The same of MOST rays. */
+size_t asdic_eigenrays_find_more(const asdic_layers *layers, double from_m, double to_m,
+                                 double across_m, size_t most, asdic_eigenray *found);
 
 /* Where a leg of a ray ends, in layer LAYER; it begins where the one before ends. */
 typedef struct asdic_eigenray_leg {
@@ -40,5 +48,9 @@ size_t asdic_eigenray_legs(const asdic_layers *layers, double from_m, double acr
  * millimetre, as rays are found. */
 bool asdic_eigenray_keeps_between(const asdic_layers *layers, double from_m, double across_m,
                                   const asdic_eigenray *ray, double top_m, double bottom_m);
+
+/* From the highest to the deepest place of RAY; INFINITY where it turns less than twice. */
+double asdic_eigenray_swing_m(const asdic_layers *layers, double from_m, double across_m,
+                              const asdic_eigenray *ray);
 
 #endif
