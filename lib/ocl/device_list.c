@@ -1,5 +1,6 @@
 #include "opencl.h"
 
+#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -134,18 +135,16 @@ static asdic_status add_platform(asdic_context *ctx, cl_platform_id platform, un
     return ASDIC_OK;
 }
 
-asdic_status asdic_listed_create(asdic_context *ctx, asdic_listed **out, size_t *count) {
+/* Adds the devices of every platform, in the loader's order. */
+static asdic_status add_platforms(asdic_context *ctx, asdic_listed **list, size_t *count) {
     asdic_status status = ASDIC_OK;
-    cl_platform_id *platforms = NULL;
     cl_uint platform_count = 0;
 
-    *out = NULL;
-    *count = 0;
     /* Without a platform the loader answers with an error of its own (-1001). */
     if (clGetPlatformIDs(0, NULL, &platform_count) != CL_SUCCESS || platform_count == 0) {
         return ASDIC_OK;
     }
-    platforms = calloc(platform_count, sizeof *platforms);
+    cl_platform_id *platforms = calloc(platform_count, sizeof *platforms);
     if (!platforms) {
         return asdic_fail_memory(ctx, "the list of OpenCL platforms");
     }
@@ -153,9 +152,22 @@ asdic_status asdic_listed_create(asdic_context *ctx, asdic_listed **out, size_t 
         platform_count = 0;
     }
     for (cl_uint i = 0; i < platform_count && status == ASDIC_OK; i++) {
-        status = add_platform(ctx, platforms[i], i, out, count);
+        status = add_platform(ctx, platforms[i], i, list, count);
     }
     free(platforms);
+    return status;
+}
+
+asdic_status asdic_listed_create(asdic_context *ctx, asdic_listed **out, size_t *count) {
+    /* The one lock of the process: drivers set themselves up when they are first asked, and PoCL 3.1 does so
+     * without a lock of its own; of two threads that ask at once, one finds no device or both crash. */
+    static pthread_mutex_t first_use = PTHREAD_MUTEX_INITIALIZER;
+
+    *out = NULL;
+    *count = 0;
+    pthread_mutex_lock(&first_use);
+    asdic_status status = add_platforms(ctx, out, count);
+    pthread_mutex_unlock(&first_use);
     if (status != ASDIC_OK) {
         free(*out);
         *out = NULL;
