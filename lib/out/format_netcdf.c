@@ -15,6 +15,7 @@ const char asdic_format_doc_netcdf[] = "also run.nc: netCDF-4 with names after S
 #include "base/vec.h"
 #include "beam_width.h"
 #include "digits.h"
+#include "format_process.h"
 #include "netcdf_file.h"
 
 #include <math.h>
@@ -531,14 +532,22 @@ static asdic_status commit_netcdf(void **file) {
     return status;
 }
 
+static const asdic_format here = {
+    .open = open_netcdf, .write = write_netcdf, .commit = commit_netcdf, .discard = discard_netcdf};
+
+static asdic_status open_process(asdic_context *ctx, const char *path,
+                                 const asdic_format_about *about, void **out) {
+    return asdic_format_process_open(ctx, &here, path, about, out);
+}
+
 const asdic_format asdic_format_netcdf = {.file = "run.nc",
                                           /* not compressed; the level twice */
                                           .level_bytes = (ASDIC_RECORD_ARRAYS + 1) * sizeof(float),
                                           .missing = asdic_nc_missing,
-                                          .open = open_netcdf,
-                                          .write = write_netcdf,
-                                          .commit = commit_netcdf,
-                                          .discard = discard_netcdf};
+                                          .open = open_process,
+                                          .write = asdic_format_process_write,
+                                          .commit = asdic_format_process_commit,
+                                          .discard = asdic_format_process_discard};
 
 #else
 

@@ -79,7 +79,6 @@ asdic_status asdic_nc_create(asdic_context *ctx, const char *path, asdic_nc *out
         return asdic_fail_memory(ctx, "a file name");
     }
     int code = create(out);
-    out->is_open = code == NC_NOERR;
     if (!asdic_nc_check(out, code)) {
         asdic_status status = asdic_nc_status(out);
         asdic_nc_discard(out);
@@ -130,8 +129,9 @@ asdic_status asdic_nc_status(const asdic_nc *nc) {
     }
     /* Codes above zero are the system's. */
     return asdic_fail(nc->ctx, nc->failure == NC_ENOMEM ? ASDIC_ERROR_MEMORY : ASDIC_ERROR_IO,
-                      "cannot write '%s': %s", nc->part ? nc->part : nc->path,
-                      nc->call.strerror(nc->failure));
+                      "cannot write '%s': %s%s", nc->part ? nc->part : nc->path,
+                      nc->call.strerror(nc->failure),
+                      nc->failure == NC_EHDFERR ? "; the disk may be full" : "");
 }
 
 /* The file gets its name only after its bytes are on the disk. */
@@ -145,10 +145,8 @@ static int sync_file(const char *path) {
 }
 
 asdic_status asdic_nc_commit(asdic_nc *nc) {
-    int code = nc->call.close(nc->id);
-    nc->is_open = false;
-    if (asdic_nc_check(nc, code) && asdic_nc_check(nc, sync_file(nc->part)) &&
-        rename(nc->part, nc->path) != 0) {
+    if (nc->failure == NC_NOERR && asdic_nc_check(nc, nc->call.close(nc->id)) &&
+        asdic_nc_check(nc, sync_file(nc->part)) && rename(nc->part, nc->path) != 0) {
         nc->failure = errno;
     }
     asdic_status status = asdic_nc_status(nc);
@@ -161,9 +159,6 @@ asdic_status asdic_nc_commit(asdic_nc *nc) {
 }
 
 void asdic_nc_discard(asdic_nc *nc) {
-    if (nc->is_open) {
-        nc->call.abort(nc->id);
-    }
     if (nc->part) {
         unlink(nc->part);
     }

@@ -1,6 +1,10 @@
 /*
  * A netCDF-4 file that appears complete or not at all. Calls after a failure do nothing, so that a
  * file can be described without a check after each line; the end reports the failure.
+ *
+ * After a failed write HDF5 1.10.8 crashes when the file is closed or aborted, and otherwise at the end of the
+ * process, when it flushes what is left. A file that failed is therefore never touched again, and its process
+ * must end by _exit() (format_process.h).
  */
 #ifndef ASDIC_OUT_NETCDF_FILE_H
 #define ASDIC_OUT_NETCDF_FILE_H
@@ -12,7 +16,6 @@
 /* netCDF's functions, found when a file is made: the library loads forty others, which a run
  * without this file need not wait for. */
 #define ASDIC_NC_FUNCTIONS(X)                                                                      \
-    X(abort)                                                                                       \
     X(close)                                                                                       \
     X(create)                                                                                      \
     X(def_dim)                                                                                     \
@@ -43,7 +46,6 @@ typedef struct asdic_nc {
     char *path, *part;
     int folder; /* stays open where netCDF would misread its name; 0: none */
     int id;
-    bool is_open;
     int failure; /* NC_NOERR, or the first that failed */
 } asdic_nc;
 
@@ -72,7 +74,7 @@ asdic_status asdic_nc_status(const asdic_nc *nc);
 /* Closes; renames unless something failed. */
 asdic_status asdic_nc_commit(asdic_nc *nc);
 
-/* Closes and removes. Safe on zeros and after commit. */
+/* Removes the file; what the library holds of it remains, see above. Safe on zeros and after commit. */
 void asdic_nc_discard(asdic_nc *nc);
 
 #endif

@@ -193,6 +193,17 @@ const void *asdic_record_store_truth(const asdic_record_layout *layout, void *by
     return stored;
 }
 
+/* Behind the levels; NULL: no truth. */
+static void put_truth(const asdic_ping_truth *truth, size_t cells, void *bytes) {
+    *truth_mark(bytes, cells) = truth != NULL;
+    char *to = truth_of(bytes, cells) + sizeof(uint64_t);
+    for (size_t i = 0; truth && i < ASDIC_TRUTH_FIELDS; i++) {
+        size_t width = cells * asdic_truth_fields[i].width;
+        memcpy(to, asdic_truth_values(truth, i), width);
+        to += width;
+    }
+}
+
 void asdic_record_pack(const asdic_record_head *head, const asdic_ping *ping, void *bytes) {
     size_t cells = ping->beams * ping->bins;
     memcpy(bytes, head, sizeof *head);
@@ -205,13 +216,27 @@ void asdic_record_pack(const asdic_record_head *head, const asdic_ping *ping, vo
         bool is_known = ping->intensity_lin[ASDIC_TOTAL][i] > 0.0 && isfinite(ping->stderr_db[i]);
         *out++ = is_known ? ping->stderr_db[i] : NAN;
     }
-    *truth_mark(bytes, cells) = ping->truth != NULL;
-    char *to = truth_of(bytes, cells) + sizeof(uint64_t);
-    for (size_t i = 0; ping->truth && i < ASDIC_TRUTH_FIELDS; i++) {
-        size_t width = cells * asdic_truth_fields[i].width;
-        memcpy(to, asdic_truth_values(ping->truth, i), width);
-        to += width;
+    put_truth(ping->truth, cells, bytes);
+}
+
+void asdic_record_copy(const asdic_record *record, size_t beams, size_t bins, void *bytes) {
+    const asdic_vec3 *at = &record->pose.position_m;
+    const asdic_record_head head = {
+        .ping = record->ping,
+        .time_s = record->time_s,
+        .position_m = {at->x, at->y, at->z},
+        .attitude_rad = {record->pose.roll_rad, record->pose.pitch_rad, record->pose.yaw_rad},
+        .altitude_m = record->altitude_m,
+        .rays = record->rays,
+        .saturated = record->saturated};
+    size_t cells = beams * bins;
+    memcpy(bytes, &head, sizeof head);
+    float *out = (float *)(void *)((char *)bytes + sizeof head);
+    for (int i = 0; i < ASDIC_RECORD_ARRAYS; i++, out += cells) {
+        memcpy(out, i < ASDIC_COMPONENT_COUNT ? record->level_db[i] : record->stderr_db,
+               cells * sizeof *out);
     }
+    put_truth(record->truth.share ? &record->truth : NULL, cells, bytes);
 }
 
 /* Points TRUTH to the fields that lie behind FROM. */

@@ -43,6 +43,9 @@ size_t asdic_record_bytes(size_t beams, size_t bins);
 /* Fills BYTES (asdic_record_bytes, aligned for double) from a ping. */
 void asdic_record_pack(const asdic_record_head *head, const asdic_ping *ping, void *bytes);
 
+/* The same from a record, as asdic_record_view finds it. */
+void asdic_record_copy(const asdic_record *record, size_t beams, size_t bins, void *bytes);
+
 /* Points RECORD into BYTES. */
 void asdic_record_view(const void *bytes, size_t beams, size_t bins, asdic_record *record);
 

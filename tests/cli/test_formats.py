@@ -4,12 +4,14 @@ import ctypes.util
 import json
 import os
 import re
+import resource
 import shutil
+import subprocess
 
 import tap
 from foreign import numpy, tool
 from pool import rows_of, run_of
-from program import Folder, asdic
+from program import PATH, Folder, asdic, need_device
 from run_folder import data, facts, pictures, same, scene
 
 
@@ -359,6 +361,44 @@ def test_netcdf_that_is_gone_is_told_before_a_run():
         before = data(folder, "r", "run.nc")
         tap.contains(asdic("merge", "--force", folder / "part", "-o", folder / "r", **env).check(code=1).err, words)
         tap.equal(data(folder, "r", "run.nc") == before, True, "the run that was there")
+
+
+LARGE = """
+version: 1
+bottom: {depth_m: 20, type: sand}
+sonar: {frequency_khz: 100, ping_rate_hz: 10, max_range_m: 50, source_level_db: 200,
+        receivers: {fan: {count: 64, sector_deg: 60}}}
+mission: {pose: {position_m: [0, 0, 7]}, pings: 40}
+sampling: {rays: 2000}
+output: {netcdf: true, csv: none, images: [], records: levels}
+"""
+
+
+def test_netcdf_without_room():
+    """Where run.nc, larger than the records, has no room: one sentence, no half of a file, and all pings."""
+    need_device()
+    with Folder() as folder:
+        scene_path = folder.write("large.yaml", LARGE)
+        if asdic("run", scene_path, "-o", folder / "r").code != 0:
+            raise tap.Skip("built without netCDF")
+        records, whole = (os.path.getsize(folder / f"r/{name}") for name in ("pings.npy", "run.nc"))
+        for part in (0.02, 0.5, 0.98):
+            room = int(records + part * (whole - records))
+            for command, kept in ((("run", scene_path), "40 of 40 pings are kept"), (("merge", folder / "r"), "")):
+                shutil.rmtree(folder / "full", ignore_errors=True)
+                done = subprocess.run([PATH, *command, "-o", folder / "full"], capture_output=True, text=True,
+                                      check=False, preexec_fn=lambda n=room: resource.setrlimit(
+                                          resource.RLIMIT_FSIZE, (n, n)))  # fmt: skip
+                errors = [line for line in done.stderr.splitlines() if line.startswith("error: ")]
+                tap.equal((done.returncode, len(errors)), (1, 1), f"{command[0]} within {room}: {done.stderr}")
+                tap.contains(errors[0], "run.nc.part': NetCDF: HDF error; the disk may be full")
+                tap.contains(errors[0], kept)
+                tap.equal([name for name in os.listdir(folder / "full") if name.startswith("run.nc")]
+                          if kept else os.path.exists(folder / "full/run.nc.part"), [] if kept else False,
+                          "what is left")
+                if kept:
+                    asdic("run", scene_path, "-o", folder / "full", "--resume").check(code=0)
+                    tap.equal(data(folder, "full", "run.nc") == data(folder, "r", "run.nc"), True, "resumed")
 
 
 def test_shards_give_the_same_netcdf():

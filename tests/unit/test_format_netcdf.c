@@ -16,6 +16,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -92,7 +93,7 @@ static asdic_pose pose_of(size_t ping) {
                         .yaw_rad = 0.1 * p};
 }
 
-static void write_ping(void *file, size_t ping, bool truth) {
+static asdic_status try_ping(void *file, size_t ping, bool truth) {
     float levels[ASDIC_RECORD_ARRAYS][CELLS], shares[ASDIC_TRUTH_FIELDS][CELLS];
     int16_t numbers[2][CELLS];
     asdic_record record = {.ping = 1000 + ping,
@@ -122,7 +123,11 @@ static void write_ping(void *file, size_t ping, bool truth) {
                                .path = {shares[4], shares[5], shares[6], shares[7], shares[8]},
                                .depression_rad = shares[9]};
     }
-    assert_ok(ctx, asdic_format_netcdf.write(file, &record));
+    return asdic_format_netcdf.write(file, &record);
+}
+
+static void write_ping(void *file, size_t ping, bool truth) {
+    assert_ok(ctx, try_ping(file, ping, truth));
 }
 
 /* Writes a file and opens it. */
@@ -529,6 +534,47 @@ static void what_is_discarded_leaves_nothing(void **state) {
     assert_int_not_equal(access(name, F_OK), 0);
 }
 
+/* Of a file that may have LIMIT bytes: what came of it. */
+static asdic_status make_within(rlim_t limit) {
+    asdic_format_about about = about_of(PINGS, BINS);
+    struct rlimit before, now;
+    void *file = NULL;
+    about.truth = true;
+    assert_int_equal(getrlimit(RLIMIT_FSIZE, &before), 0);
+    now = (struct rlimit){limit, before.rlim_max};
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &now), 0);
+    asdic_status status = asdic_format_netcdf.open(ctx, name, &about, &file);
+    for (size_t i = 0; !status && i < PINGS; i++) {
+        status = try_ping(file, i, true);
+    }
+    if (status) {
+        asdic_format_netcdf.discard(&file);
+    } else {
+        status = asdic_format_netcdf.commit(&file);
+    }
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &before), 0);
+    return status;
+}
+
+/* Wherever room ends, the caller lives to be told, and nothing is left. */
+static void room_may_end_anywhere(void **state) {
+    (void)state;
+    struct stat whole;
+    char part[80];
+    snprintf(part, sizeof part, "%s.part", name);
+    assert_ok(ctx, make_within(RLIM_INFINITY));
+    assert_int_equal(stat(name, &whole), 0);
+    assert_int_equal(unlink(name), 0);
+    for (off_t limit = 0; limit < whole.st_size; limit += whole.st_size / 40 + 1) {
+        assert_int_equal(make_within((rlim_t)limit), ASDIC_ERROR_IO);
+        assert_contains(asdic_context_error(ctx), part);
+        assert_int_not_equal(access(part, F_OK), 0);
+        assert_int_not_equal(access(name, F_OK), 0);
+    }
+    assert_ok(ctx, make_within((rlim_t)whole.st_size));
+    assert_int_equal(unlink(name), 0);
+}
+
 /* The first failure is kept, and nothing after it succeeds. */
 static void the_first_failure_is_kept(void **state) {
     (void)state;
@@ -589,7 +635,6 @@ static void what_cannot_begin_says_why(void **state) {
     assert_int_equal(asdic_nc_create(ctx, name, &nc), ASDIC_ERROR_IO);
     snprintf(says, sizeof says, "cannot write '%s': %s", part, strerror(EISDIR));
     assert_string_equal(asdic_context_error(ctx), says);
-    assert_false(nc.is_open);
     assert_int_equal(rmdir(part), 0);
     /* What a run that was killed left is replaced. */
     FILE *left = fopen(part, "w");
@@ -638,6 +683,7 @@ int main(void) {
         cmocka_unit_test(a_head_turns_its_beams),
         cmocka_unit_test(pings_lie_in_several_chunks),
         cmocka_unit_test(what_is_discarded_leaves_nothing),
+        cmocka_unit_test(room_may_end_anywhere),
         cmocka_unit_test(the_first_failure_is_kept),
         cmocka_unit_test(what_fails_at_its_end_leaves_nothing),
         cmocka_unit_test(what_cannot_begin_says_why),
