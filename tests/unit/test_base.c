@@ -21,6 +21,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 /* FIPS 180-4 test vectors as NIST publishes them (CSRC, Cryptographic Standards: SHA-256 examples
@@ -262,6 +263,84 @@ static void memory_is_what_limits_leave(void **state) {
     assert_true(left < (uint64_t)1 << 50);
 }
 
+static void put(const char *root, const char *name, const char *text) {
+    char path[256];
+    snprintf(path, sizeof path, "%s/%s", root, name);
+    for (char *slash = strchr(path + strlen(root) + 1, '/'); slash;
+         slash = strchr(slash + 1, '/')) {
+        *slash = '\0';
+        mkdir(path, 0700);
+        *slash = '/';
+    }
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    fputs(text, file);
+    assert_int_equal(fclose(file), 0);
+}
+
+/* What each group leaves: its limit less what it holds; of cached files it holds none. */
+static void memory_is_what_control_groups_leave(void **state) {
+    (void)state;
+    static const struct {
+        const char *name, *text;
+    } files[] = {
+        /* version 2: a job of 1000 bytes, a step without a limit, a task of 600 */
+        {"two/job/memory.max", "1000\n"},
+        {"two/job/memory.current", "800\n"},
+        {"two/job/memory.stat", "anon 500\nfile 300\ninactive_file 200\nactive_file 100\n"},
+        {"two/job/step/memory.max", "max\n"},
+        {"two/job/step/memory.current", "800\n"},
+        {"two/job/step/task/memory.max", "600\n"},
+        {"two/job/step/task/memory.current", "190\n"},
+        {"two/full/memory.max", "600\n"},
+        {"two/full/memory.current", "700\n"},
+        /* version 1: no limit is a large one */
+        {"one/memory/memory.limit_in_bytes", "9223372036854771712\n"},
+        {"one/memory/memory.usage_in_bytes", "5000\n"},
+        {"one/memory/job/memory.limit_in_bytes", "2000\n"},
+        {"one/memory/job/memory.usage_in_bytes", "1500\n"},
+        {"one/memory/job/memory.stat", "inactive_file 7\ntotal_inactive_file 400\n"
+                                       "total_active_file 50\n"},
+        {"one/memory/job/step/memory.limit_in_bytes", "9223372036854771712\n"},
+        /* a container's root */
+        {"box/memory.max", "300\n"},
+        {"box/memory.current", "100\n"},
+    };
+    static const struct {
+        const char *root, *table;
+        uint64_t left;
+    } cases[] = {
+        {"two", "0::/job/step/task\n", 410},
+        {"two", "0::/job/step\n", 500},
+        {"two", "0::/full\n", 0},
+        {"two", "0::/\n", UINT64_MAX},
+        {"two", "0::/other\n", UINT64_MAX},
+        {"one", "5:cpu:/job\n4:memory:/job/step\n0::/\n", 950},
+        {"one", "4:hugetlb,memory:/job\n", 950},
+        {"one", "4:memory:/\n", 9223372036854771712u - 5000},
+        {"one", "4:memory_not:/job\n5:cpuset:/memory/job\nnothing\n", UINT64_MAX},
+        {"box", "0::/\n", 200},
+        {"box", "0::/system.slice/docker-12ab.scope\n", 200},
+    };
+    char root[] = "/tmp/asdic-groups-XXXXXX", below[64], table[64], remove[64];
+    assert_non_null(mkdtemp(root));
+    for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
+        put(root, files[i].name, files[i].text);
+    }
+    snprintf(table, sizeof table, "%s/table", root);
+    assert_true(asdic_memory_groups_left(table, root) == UINT64_MAX);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        put(root, "table", cases[i].table);
+        snprintf(below, sizeof below, "%s/%s", root, cases[i].root);
+        uint64_t left = asdic_memory_groups_left(table, below);
+        if (left != cases[i].left) {
+            fail_msg("case %zu: %llu", i, (unsigned long long)left);
+        }
+    }
+    snprintf(remove, sizeof remove, "rm -r %s", root);
+    assert_int_equal(system(remove), 0);
+}
+
 static bool fits(const regex_t *form, const char *text) {
     return regexec(form, text, 0, NULL, 0) == 0;
 }
@@ -376,6 +455,7 @@ int main(void) {
         cmocka_unit_test(shares_are_taken_once),
         cmocka_unit_test(processors_are_those_that_may_be_used),
         cmocka_unit_test(memory_is_what_limits_leave),
+        cmocka_unit_test(memory_is_what_control_groups_leave),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
