@@ -33,10 +33,6 @@ static bool read_options(cli *c, asdic_dataset_options *o, uint64_t *shard, uint
     o->frames = frames;
     o->first = (size_t)(frames * (*shard - 1) / *shards);
     o->end = (size_t)(frames * *shard / *shards);
-    if (o->force && o->resume) {
-        cli_usage(c, "--force starts afresh and --resume goes on; give one of them");
-        return false;
-    }
     if (!cli_bad_usage(c) && o->first == o->end) {
         cli_usage(c, "--shard %llu/%llu is empty: frames to share: %llu",
                   (unsigned long long)*shard, (unsigned long long)*shards,

@@ -62,10 +62,6 @@ static bool read_request(cli *c, request *r) {
         cli_usage(c, "--tolerance-percent needs --tolerance DB");
         return false;
     }
-    if (r->force && r->resume) {
-        cli_usage(c, "--force starts afresh and --resume goes on; give one of them");
-        return false;
-    }
     return !cli_bad_usage(c);
 }
 

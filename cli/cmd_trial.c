@@ -92,10 +92,6 @@ static bool read_request(cli *c, request *r) {
         cli_usage(c, "the scene is read for every run; it must be a file");
         return false;
     }
-    if (o->force && o->resume) {
-        cli_usage(c, "--force starts afresh and --resume goes on; give one of them");
-        return false;
-    }
     if (cli_given(c, "rule-timeout") && !r->program) {
         cli_usage(c, "--rule-timeout needs --rule PROGRAM");
         return false;

@@ -16,6 +16,7 @@
 #include "base/share.h"
 #include "base/try.h"
 #include "base/words.h"
+#include "mission/run/run_folder.h"
 #include "mission/run/team_message.h"
 #include "mission/scene_inputs.h"
 #include "out/file.h"
@@ -286,12 +287,14 @@ static asdic_status check(asdic_context *ctx, asdic_trial_options *o) {
                           "and its values where they are several",
                           ASDIC_TRIAL_MOST_VARIANTS);
     }
-    if (o->first >= o->runs) {
+    bool is_rest = o->count == UINT64_MAX;
+    if (o->first >= o->runs || (!is_rest && o->count > o->runs - o->first)) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "a trial of %llu runs has no run %llu",
-                          (unsigned long long)o->runs, (unsigned long long)o->first);
+                          (unsigned long long)o->runs,
+                          (unsigned long long)(o->first + (is_rest ? 0 : o->count - 1)));
     }
-    o->count = o->count > o->runs - o->first ? o->runs - o->first : o->count;
-    return ASDIC_OK;
+    o->count = is_rest ? o->runs - o->first : o->count;
+    return asdic_folder_check_mode(ctx, o->force, o->resume);
 }
 
 /* --- the folder -------------------------------------------------------------------------------- */

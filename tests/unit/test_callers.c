@@ -165,6 +165,22 @@ static void sets_of_no_parts_or_no_folder_are_refused(void **state) {
                   ASDIC_ERROR_INPUT);
 }
 
+/* The same of frames that no set has. */
+static void frames_beyond_a_set_are_refused(void **state) {
+    (void)state;
+    static int none; /* no device is asked */
+    asdic_device *device = (asdic_device *)(void *)&none;
+    const size_t rows[][3] = {{4, 0, 5}, {4, 4, SIZE_MAX}, {4, 2, 2}, {0, 0, SIZE_MAX}};
+    asdic_dataset_options o = asdic_dataset_options_default();
+    o.folder = "/nonexistent/set";
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        o.frames = rows[i][0], o.first = rows[i][1], o.end = rows[i][2];
+        assert_status(ctx, asdic_dataset_make(ctx, "/nonexistent/scene", device, &o),
+                      ASDIC_ERROR_ARGUMENT);
+        assert_contains(asdic_context_error(ctx), "are no part of a set of ");
+    }
+}
+
 /* Calls that return a status say so of each argument that is NULL. */
 static void arguments_of_nothing_are_refused(void **state) {
     (void)state;
@@ -191,6 +207,7 @@ int main(void) {
         cmocka_unit_test(room_is_that_of_the_nearest_folder),
         cmocka_unit_test(a_file_in_writing_is_locked),
         cmocka_unit_test(sets_of_no_parts_or_no_folder_are_refused),
+        cmocka_unit_test(frames_beyond_a_set_are_refused),
         cmocka_unit_test(likelihood_of_swerling_3_in_closed_form),
     };
     return cmocka_run_group_tests(tests, context_begin, context_end);

@@ -145,6 +145,32 @@ static void no_device_leaves_no_folder(void **state) {
     end(&f);
 }
 
+/* What cannot be meant touches nothing. */
+static void what_cannot_be_meant_is_refused(void **state) {
+    (void)state;
+    const struct {
+        asdic_run_options options;
+        const char *says;
+    } rows[] = {
+        {{.count = PINGS + 1},
+         "151 pings from ping 0 on go beyond the mission's 150 pings (0..149)"},
+        {{.first = 100, .count = 51},
+         "51 pings from ping 100 on go beyond the mission's 150 pings"},
+        {{.first = 2, .count = SIZE_MAX - 1}, "go beyond the mission's 150 pings"},
+        {{.first = PINGS, .count = SIZE_MAX},
+         "ping 150 asked for, but the mission has pings 0..149"},
+        {{.count = SIZE_MAX, .force = true, .resume = true}, "give one of them"},
+    };
+    fixture f;
+    begin(&f);
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        assert_int_equal(run(&f, 1, rows[i].options, "refused"), ASDIC_ERROR_ARGUMENT);
+        assert_contains(asdic_context_error(f.ctx), rows[i].says);
+        assert_int_equal(f.devices[0].pings, 0);
+    }
+    end(&f);
+}
+
 static void no_background_of_no_kind(void **state) {
     (void)state;
     fixture f;
@@ -455,6 +481,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test(lost_device_is_replaced),
         cmocka_unit_test(losing_all_devices_keeps_what_was_done),
         cmocka_unit_test(no_device_leaves_no_folder),
+        cmocka_unit_test(what_cannot_be_meant_is_refused),
         cmocka_unit_test(no_background_of_no_kind),
         cmocka_unit_test(what_the_text_does_not_say_is_not_run),
         cmocka_unit_test(parts_join_to_the_whole),

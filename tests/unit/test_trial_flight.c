@@ -35,6 +35,13 @@ static void a_trial_is_kept_or_gone_on_with(void **state) {
     options.variants = (asdic_trial_variants){.key = "seed", .count = 1};
     assert_status(ctx, asdic_trial_fly(ctx, NULL, 0, &options), ASDIC_ERROR_ARGUMENT);
     options.variants.key = NULL;
+    options.first = 1, options.count = 3; /* runs 1 to 3 of 0 to 2 */
+    assert_status(ctx, asdic_trial_fly(ctx, NULL, 0, &options), ASDIC_ERROR_ARGUMENT);
+    assert_contains(asdic_context_error(ctx), "a trial of 3 runs has no run 3");
+    options.first = 0, options.count = UINT64_MAX;
+    options.force = options.resume = true;
+    assert_status(ctx, asdic_trial_fly(ctx, NULL, 0, &options), ASDIC_ERROR_ARGUMENT);
+    options.force = options.resume = false;
     assert_ok(ctx, asdic_trial_fly(ctx, NULL, 0, &options));
     snprintf(first, sizeof first, "%s", kept_rows());
     assert_status(ctx, asdic_trial_fly(ctx, NULL, 0, &options), ASDIC_ERROR_EXISTS);

@@ -16,7 +16,7 @@ typedef struct asdic_dataset_options {
     const char *folder;
     uint64_t seed;          /* of the draws; frame K is run K of the trial */
     size_t frames;          /* of the whole set */
-    size_t first, end;      /* of these, frames first .. end - 1 are made here */
+    size_t first, end;      /* of these, frames first .. end - 1 are made here; SIZE_MAX: all */
     double threshold;       /* share of a bin's energy from which on it shows an object, 0..1 */
     double radius_px;       /* of the polar pictures: the range in pixels, 16..8192 */
     double low_db, high_db; /* what pictures show, with the gain 30 log r + 2 alpha r; NAN: as

@@ -365,7 +365,7 @@ typedef struct asdic_run_times {
 
 typedef struct asdic_run_options {
     const char *folder; /* output folder, created */
-    bool force, resume; /* overwrite, or continue */
+    bool force, resume; /* overwrite, or continue: one of them, or neither */
     bool own_track;     /* with FORCE: the scene's track is FOLDER/track.csv, written again alike */
     size_t first, count;       /* pings to run; count SIZE_MAX: to the end */
     size_t of_first, of_count; /* that they are a part of, joined by no less; of_count 0: none */
@@ -380,8 +380,8 @@ ASDIC_API asdic_run_options asdic_run_options_default(void);
 
 /* Runs pings on the given devices and writes the run folder. In a team, all processes call it with
  * the same mission and the same pings: process 0 writes, the others return when it is done with
- * them. ASDIC_ERROR_IO: without force, also where the disk has too little room;
- * ASDIC_ERROR_EXISTS: the folder holds a run, and neither force nor resume was asked for, or a file
+ * them. ASDIC_ERROR_ARGUMENT: the mission has no such pings, or both force and resume are set;
+ * ASDIC_ERROR_IO: without force, also where the disk has too little room; ASDIC_ERROR_EXISTS: the folder holds a run, and neither force nor resume was asked for, or a file
  * that the scene reads, of a name that a run writes there;
  * ASDIC_ERROR_INPUT: it cannot be resumed; ASDIC_ERROR_INTERRUPTED: what is written is valid. */
 ASDIC_API asdic_status asdic_mission_run(asdic_context *ctx, asdic_mission *mission,

@@ -424,14 +424,14 @@ static char *describe_set(const dataset *d, const char *scene_hash) {
 }
 
 static asdic_status check_options(asdic_context *ctx, asdic_dataset_options *o) {
-    o->end = o->end < o->frames ? o->end : o->frames;
+    o->end = o->end == SIZE_MAX ? o->frames : o->end;
     if (!o->folder || !o->folder[0]) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "a data set needs a folder to write to");
     }
-    if (o->frames == 0 || o->first >= o->end) {
+    if (o->first >= o->end || o->end > o->frames) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
-                          "no frame to make: frames %zu to %zu of a set of %zu", o->first, o->end,
-                          o->frames);
+                          "frames %zu to %zu (without the last) are no part of a set of %zu",
+                          o->first, o->end, o->frames);
     }
     if (!(o->threshold > 0.0 && o->threshold <= 1.0)) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
@@ -443,9 +443,7 @@ static asdic_status check_options(asdic_context *ctx, asdic_dataset_options *o) 
                           o->radius_px);
     }
     TRY(check_window(ctx, o->low_db, o->high_db));
-    return o->force && o->resume
-               ? asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "replace the set or resume it, not both")
-               : ASDIC_OK;
+    return asdic_folder_check_mode(ctx, o->force, o->resume);
 }
 
 static asdic_status make_set(dataset *d) {

@@ -116,6 +116,13 @@ static asdic_status open_folder(asdic_context *ctx, const char *folder, DIR **ou
 }
 
 /* On NFS a folder has no lock, but the file of the records has. */
+asdic_status asdic_folder_check_mode(asdic_context *ctx, bool force, bool resume) {
+    return force && resume
+               ? asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                            "--force starts afresh and --resume goes on; give one of them")
+               : ASDIC_OK;
+}
+
 asdic_status asdic_folder_hold(asdic_context *ctx, const char *folder, DIR **out) {
     bool is_busy = false, is_there = false;
     while (!is_there) {

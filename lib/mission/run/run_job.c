@@ -33,6 +33,12 @@ static asdic_status check_range(asdic_run_job *job) {
                           "no ping to run: ping %zu asked for, but the mission has pings 0..%zu",
                           o->first, pings - 1);
     }
+    if (o->count != SIZE_MAX && o->count > pings - o->first) {
+        return asdic_fail(job->ctx, ASDIC_ERROR_ARGUMENT,
+                          "%zu pings from ping %zu on go beyond the mission's %zu pings (0..%zu)",
+                          o->count, o->first, pings, pings - 1);
+    }
+    TRY(asdic_folder_check_mode(job->ctx, o->force, o->resume));
     asdic_run_facts *f = &job->facts;
     f->first_ping = o->first;
     f->pings_planned = o->count < pings - o->first ? o->count : pings - o->first;
