@@ -4,6 +4,8 @@
 #include "trial_folder.h"
 
 #include "base/context.h"
+#include "base/try.h"
+#include "mission/run/run_folder.h"
 #include "out/file.h"
 
 #include <errno.h>
@@ -70,9 +72,7 @@ static asdic_status write_parts(asdic_context *ctx, asdic_trial **parts, size_t 
 
 asdic_status asdic_trial_merge(asdic_context *ctx, const char *const *folders, size_t folder_count,
                                const char *folder, bool force) {
-    if (!folders || folder_count == 0 || !folder) {
-        return asdic_fail_null(ctx, __func__);
-    }
+    TRY(asdic_folder_check_parts(ctx, __func__, folders, folder_count, folder));
     bool is_new = mkdir(folder, 0777) == 0;
     if (!is_new && errno != EEXIST) {
         return asdic_file_fail(ctx, folder, errno);

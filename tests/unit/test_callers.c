@@ -154,13 +154,33 @@ static void likelihood_of_swerling_3_in_closed_form(void **state) {
     }
 }
 
-/* Before any part is opened. */
-static void sets_of_no_parts_or_no_folder_are_refused(void **state) {
+/* Before any part is opened, and in the name of the function that was called. */
+static void joins_of_no_parts_or_no_folder_are_refused(void **state) {
     (void)state;
-    const char *const parts[] = {"/nonexistent", "/nonexistent"};
-    assert_status(ctx, asdic_dataset_merge(ctx, parts, 0, "/nonexistent/whole", false),
-                  ASDIC_ERROR_ARGUMENT);
-    assert_status(ctx, asdic_dataset_merge(ctx, parts, 2, NULL, false), ASDIC_ERROR_ARGUMENT);
+    static const struct {
+        asdic_status (*merge)(asdic_context *, const char *const *, size_t, const char *, bool);
+        const char *name;
+    } joins[] = {{asdic_run_merge, "asdic_run_merge: "},
+                 {asdic_dataset_merge, "asdic_dataset_merge: "},
+                 {asdic_trial_merge, "asdic_trial_merge: "}};
+    const char *const parts[] = {"/nonexistent", "/nonexistent", NULL};
+    const struct {
+        const char *const *parts;
+        size_t count;
+        const char *folder;
+    } rows[] = {{NULL, 1, "/nonexistent/whole"},
+                {parts, 0, "/nonexistent/whole"},
+                {parts, 2, NULL},
+                {parts, 3, "/nonexistent/whole"},
+                {parts + 2, 1, "/nonexistent/whole"}};
+    for (size_t k = 0; k < sizeof joins / sizeof *joins; k++) {
+        for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+            assert_status(ctx,
+                          joins[k].merge(ctx, rows[i].parts, rows[i].count, rows[i].folder, false),
+                          ASDIC_ERROR_ARGUMENT);
+            assert_contains(asdic_context_error(ctx), joins[k].name);
+        }
+    }
     assert_status(ctx, asdic_dataset_merge(ctx, parts, 2, "/nonexistent/whole", false),
                   ASDIC_ERROR_INPUT);
 }
@@ -206,7 +226,7 @@ int main(void) {
         cmocka_unit_test(a_target_and_its_image_interfere_within_a_cell),
         cmocka_unit_test(room_is_that_of_the_nearest_folder),
         cmocka_unit_test(a_file_in_writing_is_locked),
-        cmocka_unit_test(sets_of_no_parts_or_no_folder_are_refused),
+        cmocka_unit_test(joins_of_no_parts_or_no_folder_are_refused),
         cmocka_unit_test(frames_beyond_a_set_are_refused),
         cmocka_unit_test(likelihood_of_swerling_3_in_closed_form),
     };

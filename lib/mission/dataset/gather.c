@@ -396,9 +396,7 @@ static asdic_status merge(asdic_context *ctx, const char *const *parts, size_t c
 
 asdic_status asdic_dataset_merge(asdic_context *ctx, const char *const *parts, size_t count,
                                  const char *out_folder, bool force) {
-    if (!parts || count == 0 || !out_folder) {
-        return asdic_fail_null(ctx, __func__);
-    }
+    TRY(asdic_folder_check_parts(ctx, __func__, parts, count, out_folder));
     char *set = NULL;
     size_t length = 0;
     asdic_dataset_options o = asdic_dataset_options_default();

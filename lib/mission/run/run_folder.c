@@ -123,6 +123,19 @@ asdic_status asdic_folder_check_mode(asdic_context *ctx, bool force, bool resume
                : ASDIC_OK;
 }
 
+asdic_status asdic_folder_check_parts(asdic_context *ctx, const char *function,
+                                      const char *const *parts, size_t count,
+                                      const char *out_folder) {
+    bool are_there = parts && count > 0 && out_folder;
+    for (size_t i = 0; are_there && i < count; i++) {
+        are_there = parts[i] != NULL;
+    }
+    return are_there
+               ? ASDIC_OK
+               : asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                            "%s: parts to join and a folder to join them in are needed", function);
+}
+
 asdic_status asdic_folder_hold(asdic_context *ctx, const char *folder, DIR **out) {
     bool is_busy = false, is_there = false;
     while (!is_there) {

@@ -16,6 +16,11 @@ bool asdic_folder_has_run(const char *folder);
 /* ASDIC_ERROR_ARGUMENT when an earlier run, trial or data set is both to be replaced and to go on. */
 asdic_status asdic_folder_check_mode(asdic_context *ctx, bool force, bool resume);
 
+/* ASDIC_ERROR_ARGUMENT, in FUNCTION's name, when there are no PARTS, one of them is NULL, or OUT_FOLDER is. */
+asdic_status asdic_folder_check_parts(asdic_context *ctx, const char *function,
+                                      const char *const *parts, size_t count,
+                                      const char *out_folder);
+
 /* Creates FOLDER if need be (its parents must exist) and keeps other processes from writing a run
  * or data set to it until *OUT is closed: ASDIC_ERROR_EXISTS when one does so just now. */
 asdic_status asdic_folder_hold(asdic_context *ctx, const char *folder, DIR **out);

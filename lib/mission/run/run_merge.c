@@ -286,9 +286,7 @@ static asdic_status join(merger *m, const char *const *folders, bool force) {
 
 asdic_status asdic_run_merge(asdic_context *ctx, const char *const *folders, size_t count,
                              const char *out_folder, bool force) {
-    if (!folders || count == 0 || !out_folder) {
-        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "asdic_run_merge: nothing to join");
-    }
+    TRY(asdic_folder_check_parts(ctx, __func__, folders, count, out_folder));
     merger m = {.ctx = ctx, .count = count, .folder = out_folder};
     m.parts = calloc(count, sizeof *m.parts);
     if (!m.parts) {
