@@ -10,6 +10,8 @@
 
 #include "../../kernels/water.h"
 
+#include <string.h>
+
 /* Below a hundredth of the shortest wavelength. An element may be as short as its array's spacing. */
 #define LEAST_SPACING_M 1e-6
 #define MOST_SPACING_WL 20.0
@@ -52,6 +54,16 @@ static asdic_status check_fields(asdic_context *ctx, const char *where, const so
     return ASDIC_OK;
 }
 
+/* A name may be empty, or another beam's: only files of missions tell beams by it, and scene files ask for more. */
+static asdic_status check_name(asdic_context *ctx, const asdic_beam *beam) {
+    return memchr(beam->name, '\0', sizeof beam->name)
+               ? ASDIC_OK
+               : asdic_fail(
+                     ctx, ASDIC_ERROR_ARGUMENT,
+                     "sonar: the name of beam '%.16s...' has no terminating zero in %zu bytes",
+                     beam->name, sizeof beam->name);
+}
+
 static asdic_status check_beam(asdic_context *ctx, const asdic_beam *beam, double least_m) {
     const double turn = 2.0 * ASDIC_PI;
     const sonar_field fields[] = {
@@ -62,6 +74,7 @@ static asdic_status check_beam(asdic_context *ctx, const asdic_beam *beam, doubl
         {"length_v_m", "m", beam->length_v_m, least_m, ASDIC_MOST_LENGTH_M},
         {"sensitivity_db", "dB", beam->sensitivity_db, -300.0, 0.0},
     };
+    TRY(check_name(ctx, beam));
     return check_fields(ctx, beam->name, fields, sizeof fields / sizeof *fields);
 }
 

@@ -395,6 +395,23 @@ static void endless_sizes_are_refused(void **state) {
     }
 }
 
+/* Of 64 bytes without a zero no more are read. */
+static void names_without_an_end_are_refused(void **state) {
+    (void)state;
+    call c = good();
+    c.sonar.receivers = &c.receiver;
+    asdic_beam *const beams[] = {&c.receiver, &c.sonar.transmitter};
+    for (size_t i = 0; i < sizeof beams / sizeof *beams; i++) {
+        memset(beams[i]->name, 'q', ASDIC_NAME_SIZE);
+        assert_status(ctx, asdic_sonar_check(ctx, &c.sonar), ASDIC_ERROR_ARGUMENT);
+        assert_contains(asdic_context_error(ctx), "'qqqqqqqqqqqqqqqq...' has no terminating zero");
+        beams[i]->name[ASDIC_NAME_SIZE - 1] = '\0';
+        assert_ok(ctx, asdic_sonar_check(ctx, &c.sonar));
+    }
+    c.receiver.name[0] = '\0';
+    assert_ok(ctx, asdic_sonar_check(ctx, &c.sonar));
+}
+
 static int set_up(void **state) {
     (void)state;
     return asdic_context_create(&ctx) == ASDIC_OK ? 0 : -1;
@@ -412,6 +429,7 @@ int main(void) {
         cmocka_unit_test(what_is_no_number_is_refused),
         cmocka_unit_test(refusals_are_whole_sentences),
         cmocka_unit_test(endless_sizes_are_refused),
+        cmocka_unit_test(names_without_an_end_are_refused),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

@@ -12,7 +12,7 @@ extern "C" {
 
 /* A rectangular aperture, aimed relative to the vehicle. Positive pitch looks down. */
 typedef struct asdic_beam {
-    char name[ASDIC_NAME_SIZE];
+    char name[ASDIC_NAME_SIZE]; /* ends with a zero; may be empty, or another beam's as well */
     double pitch_rad, yaw_rad, roll_rad;
     double length_h_m, length_v_m; /* horizontal and vertical side */
     double sensitivity_db; /* of a receiver, in intensities: on its axis, re 0 dB; at most 0 */
