@@ -223,15 +223,7 @@ size_t asdic_loop_bin_count(const asdic_loop *loop) {
 }
 
 static asdic_status check_pose(asdic_loop *loop, const asdic_pose *pose) {
-    const double values[6] = {pose->position_m.x, pose->position_m.y, pose->position_m.z,
-                              pose->roll_rad,     pose->pitch_rad,    pose->yaw_rad};
-    for (int i = 0; i < 6; i++) {
-        if (!isfinite(values[i]) || fabs(values[i]) > 1e7) {
-            return asdic_fail(loop->ctx, ASDIC_ERROR_ARGUMENT,
-                              "a pose of %g, %g, %g m and %g, %g, %g rad is no place for a vehicle",
-                              values[0], values[1], values[2], values[3], values[4], values[5]);
-        }
-    }
+    TRY(asdic_pose_check(loop->ctx, pose));
     if (pose->position_m.z > 11000.0) {
         return asdic_fail(loop->ctx, ASDIC_ERROR_ARGUMENT,
                           "z = %g m is deeper than any sea; at most 11000 m", pose->position_m.z);

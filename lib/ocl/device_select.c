@@ -138,10 +138,17 @@ static bool word_matches(const char *selector, const asdic_device_info *info, bo
     return false;
 }
 
-/* So it looks, too, where PoCL cannot keep what it compiles. */
+/* So it looks, too, where PoCL cannot keep what it compiles, or is told to use drivers that it does not have. */
 static asdic_status no_device(asdic_context *ctx) {
     char folder[ASDIC_CACHE_SIZE];
-    const char *why = asdic_cache_refusal(folder);
+    const char *why = asdic_cache_refusal(folder), *drivers = getenv("POCL_DEVICES");
+    if (!why && drivers && *drivers) {
+        return asdic_fail(ctx, ASDIC_ERROR_DEVICE,
+                          NO_DEVICE
+                          "where PoCL is installed, POCL_DEVICES limits it to '%s': unset "
+                          "that, or name a driver that PoCL has, as 'pthread'; else " INSTALL,
+                          drivers);
+    }
     return why ? asdic_fail(ctx, ASDIC_ERROR_DEVICE,
                             NO_DEVICE "where PoCL is installed, set POCL_CACHE_DIR to a folder "
                                       "that can be written to: '%s' cannot (%s); else " INSTALL,

@@ -170,21 +170,40 @@ static void no_platform_names_the_packages(void **state) {
     assert_contains(asdic_context_error(ctx), "pocl-opencl-icd");
 }
 
+/* Sets the variable, or takes it away (NULL). What it was is the caller's to free. */
+static char *replace(const char *variable, const char *value) {
+    const char *before = getenv(variable);
+    char *kept = before ? strdup(before) : NULL;
+    if (value) {
+        setenv(variable, value, 1);
+    } else {
+        unsetenv(variable);
+    }
+    return kept;
+}
+
+static void no_platform_names_the_variable_that_leaves_none(void **state) {
+    (void)state;
+    char *kept = replace("POCL_DEVICES", "nonsense");
+    assert_status(ctx, choose(0, "auto"), ASDIC_ERROR_DEVICE);
+    assert_contains(asdic_context_error(ctx), "POCL_DEVICES limits it to 'nonsense': unset that");
+    assert_contains(asdic_context_error(ctx), "pocl-opencl-icd ocl-icd-libopencl1");
+    free(replace("POCL_DEVICES", ""));
+    assert_status(ctx, choose(0, "auto"), ASDIC_ERROR_DEVICE);
+    assert_null(strstr(asdic_context_error(ctx), "POCL_DEVICES"));
+    free(replace("POCL_DEVICES", kept));
+    free(kept);
+}
+
 /* PoCL has no device there, installed or not. */
 static void no_platform_names_the_folder_that_cannot_be_written(void **state) {
     (void)state;
-    const char *before = getenv("POCL_CACHE_DIR");
-    char *kept = before ? strdup(before) : NULL;
-    setenv("POCL_CACHE_DIR", "/dev/null/x", 1);
+    char *kept = replace("POCL_CACHE_DIR", "/dev/null/x");
     assert_status(ctx, choose(0, "auto"), ASDIC_ERROR_DEVICE);
     assert_contains(asdic_context_error(ctx), "set POCL_CACHE_DIR to a folder that can be written "
                                               "to: '/dev/null/x' cannot (Not a directory)");
     assert_contains(asdic_context_error(ctx), "pocl-opencl-icd ocl-icd-libopencl1");
-    if (kept) {
-        setenv("POCL_CACHE_DIR", kept, 1);
-    } else {
-        unsetenv("POCL_CACHE_DIR");
-    }
+    free(replace("POCL_CACHE_DIR", kept));
     free(kept);
 }
 
@@ -213,6 +232,7 @@ int main(void) {
         cmocka_unit_test_setup(names_match_in_part_and_any_case, setup),
         cmocka_unit_test_setup(what_is_not_there_is_a_device_error, setup),
         cmocka_unit_test_setup(no_platform_names_the_packages, setup),
+        cmocka_unit_test_setup(no_platform_names_the_variable_that_leaves_none, setup),
         cmocka_unit_test_setup(no_platform_names_the_folder_that_cannot_be_written, setup),
         cmocka_unit_test_setup(nonsense_is_an_argument_error, setup),
     };

@@ -54,7 +54,7 @@ typedef struct asdic_vec3 {
     double x, y, z;
 } asdic_vec3;
 
-/* Where a body is and how it is turned. Angles are unrestricted; only their sines matter. */
+/* Where a body is and how it is turned: each number within +-1e7. */
 typedef struct asdic_pose {
     asdic_vec3 position_m; /* world, NED */
     double roll_rad, pitch_rad, yaw_rad;
