@@ -381,9 +381,10 @@ ASDIC_API asdic_run_options asdic_run_options_default(void);
 /* Runs pings on the given devices and writes the run folder. In a team, all processes call it with
  * the same mission and the same pings: process 0 writes, the others return when it is done with
  * them. ASDIC_ERROR_ARGUMENT: the mission has no such pings, or both force and resume are set;
- * ASDIC_ERROR_IO: without force, also where the disk has too little room; ASDIC_ERROR_EXISTS: the folder holds a run, and neither force nor resume was asked for, or a file
- * that the scene reads, of a name that a run writes there;
- * ASDIC_ERROR_INPUT: it cannot be resumed; ASDIC_ERROR_INTERRUPTED: what is written is valid. */
+ * ASDIC_ERROR_IO: without force, also where the disk has too little room; ASDIC_ERROR_EXISTS: the
+ * folder holds a run, and neither force nor resume was asked for, or a file that the scene reads,
+ * of a name that a run writes there; ASDIC_ERROR_INPUT: it cannot be resumed;
+ * ASDIC_ERROR_INTERRUPTED: what is written is valid. */
 ASDIC_API asdic_status asdic_mission_run(asdic_context *ctx, asdic_mission *mission,
                                          asdic_device **devices, size_t device_count,
                                          const asdic_run_options *options);
