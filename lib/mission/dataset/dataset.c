@@ -6,6 +6,7 @@
 #include "labelled.h"
 #include "gather.h"
 #include "mission/mission.h"
+#include "mission/run/run_folder.h"
 #include "mission/scene_inputs.h"
 #include "out/raster.h"
 
