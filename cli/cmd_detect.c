@@ -87,7 +87,8 @@ static void explain_classes(const asdic_detect_report *r) {
         [ASDIC_TRUTH_GHOST] = "ghost: what stands out came by way of a mirror; nothing is there",
         [ASDIC_TRUTH_FAINT] =
             "faint: an echo is in the bin, but does not stand out of what else is",
-        [ASDIC_TRUTH_NONE] = "none: no echo to speak of; every detection is a false alarm"};
+        [ASDIC_TRUTH_NONE] = "none: no echo to speak of; every detection is a false alarm, of "
+                             "which shadows have few"};
     for (size_t i = 0; i < r->class_count; i++) {
         asdic_truth truth = r->classes[i].truth;
         if (r->classes[i].bins > 0 && truth != ASDIC_TRUTH_OBJECT) {
@@ -116,8 +117,8 @@ static void print_classes(const asdic_detect_report *r) {
     const asdic_detect_class *none = &r->classes[r->class_count - 1];
     if (r->is_sample && none->bins > 0) {
         printf("P_FA: ");
-        if (!isnan(none->expected)) {
-            printf("design %.4g, ", none->expected / (double)none->bins);
+        if (!isnan(r->design_pfa)) {
+            printf("design %.4g, ", r->design_pfa);
         }
         printf("measured %.4g, 99 %% bounds %.4g..%.4g\n", r->pfa.value, r->pfa.low, r->pfa.high);
     }
@@ -192,6 +193,7 @@ static void print_json(const asdic_detect_report *r) {
     json_integer(&j, "pings", r->pings);
     json_integer(&j, "bins", r->bins);
     json_integer(&j, "detections", r->detections);
+    json_number(&j, "pfa_design", r->design_pfa);
     json_open(&j, "pfa_measured", '{');
     json_number(&j, "value", r->pfa.value);
     json_number(&j, "low", r->pfa.low);

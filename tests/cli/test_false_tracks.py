@@ -95,6 +95,30 @@ def test_false_tracks_do_not_depend_on_the_order_of_beams():
         tap.equal(none, 0, "down alone")
 
 
+def test_tracks_are_of_as_many_false_alarms_as_there_are():
+    """Over steep ground neighbours and planes are passed tens of times as often as designed; hardly a track was said."""
+    need_device()
+    with Folder() as folder:
+        depths = [[18 + 3 * math.sin(i / 5) + 2 * math.cos(j / 7) for j in range(81)] for i in range(81)]
+        folder.write("hills.asc", "ncols 81\nnrows 81\nxllcorner -80\nyllcorner -80\ncellsize 2\nNODATA_value -9999\n" +
+                     "\n".join(" ".join(f"{depth:.2f}" for depth in row) for row in depths) + "\n")
+        folder.write("hills.yaml", """version: 1
+bottom: {grid: hills.asc, type: gravel}
+sonar: {frequency_khz: 100, bandwidth_khz: 5, ping_rate_hz: 5, max_range_m: 60, source_level_db: 205, bin_length_m: 0.6,
+        receivers: {fan: {count: 3, sector_deg: 50, length_h_m: 0.05, length_v_m: 0.05}}, speckle: rayleigh}
+mission: {pose: {position_m: [0, 0, 8], pitch_deg: -4}, pings: 100}
+sampling: {rays: 20000}
+detector: {pfa: 1.0e-2}
+output: {images: [], csv: none}
+""")
+        asdic("run", "hills.yaml", "-o", "out", "-q", cwd=folder.path).check(0)
+        for background in "flat", "cfar":
+            done = asdic("detect", "out", "--background", background, "-f", "--json", "-q", *COARSE, cwd=folder.path)
+            tracks = json.loads(done.check(0).out)["tracks"]
+            said, found = tracks["by_chance"], tracks["confirmed"]
+            tap.equal(found > 20 and found / 3 < said < 1.5 * found, True, f"{background}: {tracks}")
+
+
 def test_false_tracks_of_a_scanned_sonar_are_not_said():
     """Beams of one degree: five pings at a quarter of it stay within a beam, at half of it they do not."""
     need_device()

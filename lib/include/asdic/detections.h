@@ -55,7 +55,9 @@ typedef struct asdic_detect_class {
     asdic_truth truth;
     char name[ASDIC_NAME_SIZE]; /* of the object; else "none", "ghost", "faint" */
     uint64_t bins, detected;
-    double expected; /* detections that P_D, or P_FA, predicts; NAN: not predicted */
+    /* Detections that P_D predicts, or of "none" P_FA: over neighbours as designed, else by what is in the
+     * bin, which is less than the background in an object's shadow. NAN: not predicted. */
+    double expected;
 } asdic_detect_class;
 
 /* An object as one beam saw it. */
@@ -79,6 +81,7 @@ typedef struct asdic_detect_report {
     size_t pings;
     uint64_t bins, detections;
     asdic_estimate pfa; /* over bins that hold nothing; its bounds know that they share speckle */
+    double design_pfa;  /* what their thresholds are for; NAN: CFAR's in K speckle */
     size_t tracks, tracks_confirmed, tracks_of_objects;
     asdic_background_source background; /* that was used, never AUTO */
     double background_error_db;         /* median standard error of a simulated one; else 0 */

@@ -78,7 +78,7 @@ bool asdic_detect_is_unknown(const asdic_detect_job *job) {
 }
 
 /* The P_FA of a bin's threshold; of one by cost in K clutter as if the background were known. */
-static double pfa_of(const asdic_detect_job *job, size_t cell) {
+static double design_of(const asdic_detect_job *job, size_t cell) {
     if (isnan(job->detector.cost_ratio)) {
         return asdic_detect_is_unknown(job) ? (double)NAN : job->detector.pfa;
     }
@@ -92,7 +92,7 @@ static double pfa_of(const asdic_detect_job *job, size_t cell) {
 double asdic_detect_bin_pd(const asdic_detect_job *job, size_t cell) {
     double threshold = asdic_scan_get(job->scan).threshold_lin[cell];
     if (!(job->rest_lin[cell] > 0.0)) { /* nothing but the echo */
-        return 1.0;
+        return job->object_lin[cell] > 0.0 ? 1.0 : 0.0;
     }
     asdic_background rest = asdic_detect_rest(job, cell);
     return asdic_detect_pd(&rest, ASDIC_TARGET_SWERLING2, job->object_lin[cell], threshold);
@@ -222,7 +222,9 @@ void asdic_detect_count(asdic_detect_job *job, const asdic_record *record) {
         if (c->truth == ASDIC_TRUTH_OBJECT) {
             c->expected += asdic_detect_bin_pd(job, i);
         } else if (c->truth == ASDIC_TRUTH_NONE) {
-            c->expected += pfa_of(job, i);
+            double design = design_of(job, i);
+            job->design_alarms += design;
+            c->expected += r->by_cfar ? design : asdic_detect_bin_pd(job, i);
         }
     }
     for (size_t b = 0; b < job->info.beams; b++) {
@@ -243,6 +245,7 @@ void asdic_detect_finish_report(asdic_detect_job *job) {
     r->pfa = asdic_estimate_of((uint64_t)llround(each * (double)none->detected),
                                (uint64_t)llround(each * (double)none->bins));
     r->pfa.value = (double)none->detected / (double)none->bins;
+    r->design_pfa = job->design_alarms / (double)none->bins;
     for (size_t i = 0; i < r->sight_count; i++) {
         if (r->sights[i].pings_seen > 0) {
             r->sights[kept++] = r->sights[i];

@@ -1,6 +1,6 @@
 /*
- * The number of false tracks to expect: from false alarms of the designed probability, as many to a
- * plot as were found, with plots anywhere in range on the beams' axes, by the tracker's rule.
+ * The number of false tracks to expect: from false alarms of the designed probability, or the larger one that is
+ * predicted or over neighbours was found, as many to a plot as were found, with plots anywhere in range on the beams' axes, by the tracker's rule.
  */
 #include "detect_job.h"
 
@@ -133,9 +133,12 @@ asdic_status asdic_detect_expect_tracks(asdic_detect_job *job) {
         r->tracks_by_chance = NAN;
     } else if (r->is_sample && lasting > 0.0) {
         double per_alarm = job->false_bins > 0.0 ? job->false_plots / job->false_bins : 1.0;
+        /* The background may not be what thresholds take it for: where levels step, neighbours are not. */
+        double passed = r->by_cfar ? (double)none->detected : none->expected;
+        double alarms = fmax(job->design_alarms, passed);
         r->tracks_by_chance =
             lasting * confirmed(job, &record.pose, &a, (end_s - record.time_s) / (pings - 1.0),
-                                none->expected / pings * per_alarm);
+                                alarms / pings * per_alarm);
     }
     free(a.bearing_rad);
     return ASDIC_OK;

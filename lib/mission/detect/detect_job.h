@@ -46,6 +46,7 @@ typedef struct asdic_detect_job {
     /* Over all pings, plots where there is no object: their number, the sum of their bins, the sum
      * of the squares. */
     double false_plots, false_bins, false_squares;
+    double design_alarms; /* over bins that hold nothing, what thresholds are for */
     double sound_speed_mps;
     asdic_file *detections, *tracks;
     asdic_mcap_recording *messages; /* NULL: the scene asks for none */
