@@ -22,7 +22,7 @@ BELOW = {
     "mission/run": ["mission", "mission/scene_file", "mission/track", "out", "scene", "sim"],
     "mission/dataset": ["mission/run", "mission", "mission/scene_file", "out", "scene", "sim"],
     "mission/detect": ["mission/run", "mission", "mission/scene_file", "mission/track", "out",
-                       "detect", "scene", "sim"],
+                       "detect", "laws", "scene", "sim"],
 }
 BELOW["live"] = [folder for folder in BELOW if folder != "base"]
 BELOW["trial"] = BELOW["live"] + ["live"]

@@ -5,8 +5,10 @@
 #include "base/context.h"
 #include "base/try.h"
 #include "base/vec.h"
+#include "laws/scatterer.h"
 #include "mission/mission.h"
 #include "scene/scene.h"
+#include "sim/environment.h"
 #include "sim/ring.h"
 
 #include <math.h>
@@ -22,16 +24,22 @@ typedef struct piece {
     asdic_vec3 at_m, area_m2; /* along the normal; 0: a point */
 } piece;
 
+/* Where the triangles of a part are; those of others may lie between. */
+typedef struct span {
+    size_t first, end;
+} span;
+
 /* The part of an object that lies in a bin. */
 typedef struct share {
-    double area_m2;
-    asdic_vec3 towards; /* sum of area x direction from the sonar */
+    double echo_m2;     /* scattering strength x area, or a point's target strength */
+    asdic_vec3 towards; /* sum of these x direction from the sonar */
 } share;
 
 typedef struct named {
     char name[ASDIC_NAME_SIZE];
     size_t object, part; /* index in the mission; in its scene, SIZE_MAX for a point */
-    double point_m2;     /* of a point: what a sonar sees of a rigid sphere as strong */
+    double point_m2;     /* target strength of a point */
+    span triangles;      /* of a part */
     asdic_vec3 middle_m; /* of its pieces */
     share *shares;       /* per bin */
     piece *pieces;
@@ -45,6 +53,7 @@ struct asdic_namer {
     size_t count;
     asdic_pose pose; /* of the ping */
     asdic_heard_water heard;
+    asdic_law_water water;
     asdic_face transmitter; /* its faces */
     asdic_face *receivers;
     const int16_t *objects; /* of the ping's bins, where the run has truth; else NULL */
@@ -62,11 +71,6 @@ static void read_triangle(const asdic_scene *scene, size_t index, asdic_vec3 v[3
     *area_m2 = asdic_vec3_scale(
         asdic_vec3_cross(asdic_vec3_sub(v[1], v[0]), asdic_vec3_sub(v[2], v[0])), 0.5);
 }
-
-/* Where the triangles of a part are; those of others may lie between. */
-typedef struct span {
-    size_t first, end;
-} span;
 
 /* Of each part; NULL: no memory. */
 static span *find_spans(const asdic_scene *scene) {
@@ -109,9 +113,10 @@ static asdic_vec3 place_in(const asdic_vec3 v[3], size_t index) {
                           asdic_vec3_add(a, asdic_vec3_scale(asdic_vec3_sub(v[2], v[0]), at[1])));
 }
 
-/* Fills the pieces of an object, whose triangles are AT, once for all pings: a point has one. */
-static asdic_status cut_object(const asdic_namer *namer, named *n, span at) {
+/* Fills the pieces of an object once for all pings: a point has one. */
+static asdic_status cut_object(const asdic_namer *namer, named *n) {
     const asdic_scene *scene = namer->mission->scene;
+    span at = n->triangles;
     double bin_m = namer->run->facts.bin_length_m, area_m2 = area_of(scene, n->part, at);
     double pieces = fmin(fmax(4.0 * area_m2 / (bin_m * bin_m), LEAST_PIECES), MOST_PIECES);
     double each_m2 = area_m2 / floor(pieces), sum = 0.0;
@@ -149,6 +154,64 @@ static double stretch(const asdic_namer *namer, asdic_vec3 middle_m) {
     return far_m > 0.0 ? asdic_heard_range_m(&namer->heard, to) / far_m : 1.0;
 }
 
+/* Whether the way from A to B crosses the triangle V (Moeller & Trumbore, J. Graphics Tools 2(1), 21 (1997)). */
+static bool crosses(const asdic_vec3 v[3], asdic_vec3 a, asdic_vec3 b) {
+    asdic_vec3 way = asdic_vec3_sub(b, a), from = asdic_vec3_sub(a, v[0]);
+    asdic_vec3 e1 = asdic_vec3_sub(v[1], v[0]), e2 = asdic_vec3_sub(v[2], v[0]);
+    asdic_vec3 p = asdic_vec3_cross(way, e2), q = asdic_vec3_cross(from, e1);
+    double scale = 1.0 / asdic_vec3_dot(e1, p); /* not finite where it runs along: no */
+    double at1 = scale * asdic_vec3_dot(from, p), at2 = scale * asdic_vec3_dot(way, q);
+    double along = scale * asdic_vec3_dot(e2, q);
+    return at1 >= 0.0 && at2 >= 0.0 && at1 + at2 <= 1.0 && along > 0.0 && along < 1.0;
+}
+
+/* Whether N, where it is at PING, lies between A and B. */
+static bool lies_between(const asdic_namer *namer, const named *n, size_t ping, asdic_vec3 a,
+                         asdic_vec3 b) {
+    const asdic_scene *scene = namer->mission->scene;
+    const asdic_mission_object *object = asdic_mission_get_object(namer->mission, n->object);
+    asdic_pose now = asdic_mission_object_pose(namer->mission, n->object, ping);
+    asdic_move back = asdic_move_between(&now, &object->pose);
+    if (object->moves) {
+        a = asdic_move_point(&back, a);
+        b = asdic_move_point(&back, b);
+    }
+    for (size_t i = n->triangles.first; i < n->triangles.end; i++) {
+        asdic_vec3 v[3], area;
+        read_triangle(scene, i, v, &area);
+        if (scene->triangles[i].part == n->part && crosses(v, a, b)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Whether a body hides a point at AT_M. */
+static bool is_hidden(const asdic_namer *namer, size_t ping, asdic_vec3 at_m) {
+    bool hidden = false;
+    for (size_t i = 0; i < namer->count && !hidden; i++) {
+        const named *n = &namer->names[i];
+        hidden = n->part != SIZE_MAX && lies_between(namer, n, ping, namer->pose.position_m, at_m);
+    }
+    return hidden;
+}
+
+/* What a piece of a body sends back to the sonar, which is RANGE_M away against TO: as its law says, and nothing from
+ * the far side of a closed one. */
+static double echo_m2(const asdic_part *part, const asdic_scatterer *s, const piece *p,
+                      asdic_vec3 to, double range_m) {
+    double area_m2 = asdic_vec3_length(p->area_m2);
+    double sine = -asdic_vec3_dot(p->area_m2, to) / (range_m * area_m2);
+    sine = part->outward == 0 ? fabs(sine) : sine * part->outward;
+    if (!(sine > 0.0)) {
+        return 0.0;
+    }
+    sine = fmin(sine, 1.0);
+    asdic_incidence at = asdic_incidence_on_plane(sine, (1.0 - sine) * (1.0 + sine));
+    at.range_m = range_m;
+    return area_m2 * s->material.law->strength_lin(s, &at);
+}
+
 /* Adds the object's pieces to the bins in which they are heard at PING. */
 static void place(const asdic_namer *namer, named *n, size_t ping) {
     const asdic_run_facts *facts = &namer->run->facts;
@@ -157,6 +220,12 @@ static void place(const asdic_namer *namer, named *n, size_t ping) {
     asdic_move move = asdic_move_between(&object->pose, &now);
     double times =
         stretch(namer, object->moves ? asdic_move_point(&move, n->middle_m) : n->middle_m);
+    const asdic_scene *scene = namer->mission->scene;
+    const asdic_part *part = n->part == SIZE_MAX ? NULL : &scene->parts[n->part];
+    asdic_scatterer law = {0};
+    if (part) {
+        law = asdic_scatterer_at(&scene->materials[part->material], &namer->water);
+    }
     memset(n->shares, 0, facts->bins * sizeof *n->shares);
     for (size_t i = 0; i < n->piece_count; i++) {
         piece p = n->pieces[i];
@@ -169,10 +238,11 @@ static void place(const asdic_namer *namer, named *n, size_t ping) {
         double bin = times * range / facts->bin_length_m;
         if (bin < (double)facts->bins) {
             share *s = &n->shares[(size_t)bin];
-            double seen = fabs(asdic_vec3_dot(p.area_m2, to)) / range; /* as the sonar sees it */
-            double area = n->part == SIZE_MAX ? n->point_m2 : seen;
-            s->area_m2 += area;
-            s->towards = asdic_vec3_add(s->towards, asdic_vec3_scale(to, area / range));
+            double echo = part                             ? echo_m2(part, &law, &p, to, range)
+                          : is_hidden(namer, ping, p.at_m) ? 0.0
+                                                           : n->point_m2;
+            s->echo_m2 += echo;
+            s->towards = asdic_vec3_add(s->towards, asdic_vec3_scale(to, echo / range));
         }
     }
 }
@@ -190,15 +260,16 @@ static asdic_status add_name(asdic_namer *namer, size_t object, const span *span
         }
     }
     for (size_t p = 0; p < scene->point_count; p++) {
-        if (strcmp(scene->points[p].name, o->name) == 0) { /* of radius a: a^2 / 4 */
-            n->point_m2 = 4.0 * ASDIC_PI * pow(10.0, 0.1 * scene->points[p].target_strength_db);
+        if (strcmp(scene->points[p].name, o->name) == 0) {
+            n->point_m2 = pow(10.0, 0.1 * scene->points[p].target_strength_db);
         }
     }
     n->shares = calloc(namer->run->facts.bins, sizeof *n->shares);
     if (!n->shares) {
         return asdic_fail_memory(namer->run->ctx, "objects' shares");
     }
-    return cut_object(namer, n, n->part == SIZE_MAX ? (span){0, 0} : spans[n->part]);
+    n->triangles = n->part == SIZE_MAX ? (span){0, 0} : spans[n->part];
+    return cut_object(namer, n);
 }
 
 static asdic_status add_names(asdic_namer *namer) {
@@ -303,12 +374,12 @@ asdic_status asdic_namer_begin_ping(asdic_namer *namer, const asdic_record *reco
         (namer->is_placed && memcmp(&namer->pose, &record->pose, sizeof namer->pose) == 0)) {
         return ASDIC_OK;
     }
-    double wavelength_m = asdic_environment_sound_speed_mps(&namer->run->settings.environment,
-                                                            record->pose.position_m.z) /
-                          sonar->frequency_hz;
+    const asdic_environment *env = &namer->run->settings.environment;
+    asdic_water_column water = asdic_water_column_at(env, sonar, record->pose.position_m.z);
+    double wavelength_m = water.wavelength_m;
+    namer->water = asdic_water_column_laws(&water, env, sonar);
     namer->pose = record->pose;
-    namer->heard = asdic_heard_water_of(&namer->run->settings.environment, namer->mission->scene,
-                                        record->pose.position_m.z);
+    namer->heard = asdic_heard_water_of(env, namer->mission->scene, record->pose.position_m.z);
     namer->transmitter = asdic_face_aim(&sonar->transmitter, &record->pose, wavelength_m);
     for (size_t b = 0; b < sonar->receiver_count; b++) {
         namer->receivers[b] = asdic_face_aim(&sonar->receivers[b], &record->pose, wavelength_m);
@@ -320,7 +391,7 @@ asdic_status asdic_namer_begin_ping(asdic_namer *namer, const asdic_record *reco
     return ASDIC_OK;
 }
 
-/* The object with the largest part in BIN; *WEIGHT is 0 when there is none. */
+/* The object with the strongest echo in BIN; *WEIGHT is 0 when there is none. */
 static size_t heaviest(const asdic_namer *namer, size_t beam, size_t bin, double *weight) {
     double rear_lin = pow(10.0, 0.1 * namer->run->settings.sonar.rear_floor_db);
     size_t best = 0;
@@ -334,7 +405,7 @@ static size_t heaviest(const asdic_namer *namer, size_t beam, size_t bin, double
         asdic_vec3 u = asdic_vec3_scale(s->towards, 1.0 / length);
         double gain = asdic_face_gain(&namer->transmitter, u, rear_lin) *
                       asdic_face_gain(&namer->receivers[beam], u, rear_lin);
-        double w = s->area_m2 * (gain + 1e-12);
+        double w = s->echo_m2 * (gain + 1e-12);
         if (w > *weight) {
             *weight = w;
             best = i;

@@ -1,7 +1,7 @@
 /*
  * The object that an echo comes from. The run recorded how much energy of each bin comes from
- * objects. Where the scene has several, the one with the largest area in the bin, weighted by the
- * beams, gives the name; a point's area is that of a rigid sphere as strong.
+ * objects. Where the scene has several, the one that should be heard loudest in the bin by its scattering law and the
+ * beams gives the name. A body hides its own far side, and points behind or in it; what it hides of other bodies counts.
  */
 #ifndef ASDIC_MISSION_DETECT_TRUTH_H
 #define ASDIC_MISSION_DETECT_TRUTH_H
