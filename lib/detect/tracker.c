@@ -259,43 +259,54 @@ const asdic_track_state *asdic_tracker_get(const asdic_tracker *tracker, size_t 
 typedef struct clutter {
     const asdic_tracker_options *options;
     double step_s, plots_per_m, tracks_per_m; /* of each line */
-    const double *east_m;                     /* of the lines, ascending */
+    const double *east_m;                     /* of the lines, ascending, at PLANE_M */
+    double plane_m;                           /* from where they meet */
     size_t lines, gates;
     struct {
-        double across_m, chords;
+        double along_m2, across_m2, covered_m;
     } gate[MOST_GATES];
     asdic_plot_point plot;
     double confirmed, hits, pings; /* means: probability, further plots it takes, pings it lives */
 } clutter;
 
-/* How many whole chords of a gate that reaches so far across the lines make, on the mean of gates
- * whose middle is on one of them. Rounds ask for the same ones again. */
-static double chords_of(clutter *c, double across_m) {
-    double others = 0.0;
-    for (size_t i = 0; i < c->gates; i++) {
-        if (c->gate[i].across_m == across_m) {
-            return c->gate[i].chords;
-        }
-    }
-    for (size_t i = 0; i < c->lines; i++) {
-        for (size_t k = i + 1; k < c->lines && c->east_m[k] - c->east_m[i] < across_m; k++) {
-            double off = (c->east_m[k] - c->east_m[i]) / across_m;
-            others += 2.0 * sqrt(1.0 - off * off); /* of each from the other */
-        }
-    }
-    double chords = 1.0 + others / (double)c->lines;
-    if (c->gates < MOST_GATES) {
-        c->gate[c->gates].across_m = across_m;
-        c->gate[c->gates++].chords = chords;
-    }
-    return chords;
+/* What the gate of a track on one line holds of another, APART_M to its side: the track's covariance and a plot's, which
+ * lies across its own line, together. A line R + r u is inside where (R + r u)' S^-1 (R + r u) is the gate at most. */
+static double chord_m(const clutter *c, const asdic_kalman *f, double apart_m) {
+    double turn = apart_m / c->plane_m, u = cos(turn), v = sin(turn);
+    double along2 = c->plot.variance_nn_m2, across2 = c->plot.variance_ee_m2;
+    double nn = f->covariance[0][0] + along2 * u * u + across2 * v * v;
+    double ee = f->covariance[2][2] + along2 * v * v + across2 * u * u;
+    double ne = (along2 - across2) * u * v, determinant = nn * ee - ne * ne;
+    double north = isinf(c->plane_m) ? 0.0 : c->plane_m * (u - 1.0);
+    double east = isinf(c->plane_m) ? apart_m : c->plane_m * v;
+    double uu = (ee * u * u - 2.0 * ne * u * v + nn * v * v) / determinant;
+    double ur = (ee * u * north - ne * (u * east + v * north) + nn * v * east) / determinant;
+    double rr = (ee * north * north - 2.0 * ne * north * east + nn * east * east) / determinant;
+    return 2.0 * sqrt(fmax(ur * ur - uu * (rr - c->options->gate), 0.0)) / uu;
 }
 
-static double covered_m(clutter *c, const asdic_kalman *filter) {
-    double gate = c->options->gate;
-    double along = sqrt(gate * (filter->covariance[0][0] + c->plot.variance_nn_m2));
-    double across = sqrt(gate * (filter->covariance[2][2] + c->plot.variance_ee_m2));
-    return 2.0 * along * chords_of(c, across);
+/* What a track's gate holds of all lines, on the mean of tracks on each of them. Rounds ask for the same gates again. */
+static double covered_m(clutter *c, const asdic_kalman *f) {
+    double own_m2 = f->covariance[0][0], across_m2 = f->covariance[2][2], others_m = 0.0;
+    for (size_t i = 0; i < c->gates; i++) {
+        if (c->gate[i].along_m2 == own_m2 && c->gate[i].across_m2 == across_m2) {
+            return c->gate[i].covered_m;
+        }
+    }
+    double most_m2 = own_m2 + across_m2 + c->plot.variance_nn_m2 + c->plot.variance_ee_m2;
+    double reach_m = 0.5 * M_PI * sqrt(c->options->gate * most_m2); /* along an arc */
+    for (size_t i = 0; i < c->lines; i++) {
+        for (size_t k = i + 1; k < c->lines && c->east_m[k] - c->east_m[i] < reach_m; k++) {
+            others_m += 2.0 * chord_m(c, f, c->east_m[k] - c->east_m[i]); /* each from the other */
+        }
+    }
+    double covered = chord_m(c, f, 0.0) + others_m / (double)c->lines;
+    if (c->gates < MOST_GATES) {
+        c->gate[c->gates].along_m2 = own_m2;
+        c->gate[c->gates].across_m2 = across_m2;
+        c->gate[c->gates++].covered_m = covered;
+    }
+    return covered;
 }
 
 /* A track that has come so far with probability WEIGHT: the next ping, with and without a plot
@@ -333,12 +344,13 @@ static void follow(clutter *c, track tr, double weight) {
 
 double asdic_tracker_false_share(const asdic_tracker_options *options, double step_s,
                                  const asdic_plot_point *plot, double plots_per_m,
-                                 const double *east_m, size_t lines) {
+                                 const double *east_m, size_t lines, double plane_m) {
     clutter c = {.options = options,
                  .step_s = step_s,
                  .plots_per_m = plots_per_m,
                  .east_m = east_m,
                  .lines = lines,
+                 .plane_m = plane_m,
                  .plot = *plot};
     for (int i = 0; i < ROUNDS; i++) {
         track tr = {.state = {.hits = 1},

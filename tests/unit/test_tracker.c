@@ -295,9 +295,9 @@ static void clutter_confirms_tracks_as_said(void **state) {
                 seen[tracks[i].id] |= tracks[i].confirmed;
             }
         }
-        double said =
-            asdic_tracker_false_share(&options, cases[n].step_s, &plots[0],
-                                      cases[n].per_ping / (SIDE_M * LINES), east_m, LINES);
+        double said = asdic_tracker_false_share(&options, cases[n].step_s, &plots[0],
+                                                cases[n].per_ping / (SIDE_M * LINES), east_m, LINES,
+                                                INFINITY);
         print_message("%g plots a ping, %g s apart: %.0f confirmed of %.0f, %.1f were said\n",
                       cases[n].per_ping, cases[n].step_s, confirmed, total, said * total);
         double spread = 2.6 * sqrt(said * total);
@@ -308,9 +308,74 @@ static void clutter_confirms_tracks_as_said(void **state) {
     }
     asdic_tracker_options at_once = asdic_tracker_options_default();
     asdic_plot_point plot = {.variance_nn_m2 = 1.0, .variance_ee_m2 = 1.0};
-    assert_close(asdic_tracker_false_share(&at_once, 1.0, &plot, 0.0, east_m, 1), 0.0, 0.0);
+    assert_close(asdic_tracker_false_share(&at_once, 1.0, &plot, 0.0, east_m, 1, INFINITY), 0.0,
+                 0.0);
     at_once.confirm = 1;
-    assert_close(asdic_tracker_false_share(&at_once, 1.0, &plot, 1.0, east_m, 1), 1.0, 0.0);
+    assert_close(asdic_tracker_false_share(&at_once, 1.0, &plot, 1.0, east_m, 1, INFINITY), 1.0,
+                 0.0);
+}
+
+/* A plot across the line at BEARING, RANGE_M from where lines meet. */
+static asdic_plot_point plot_on(double bearing, double range_m, double along2, double across2) {
+    double c = cos(bearing), s = sin(bearing);
+    return (asdic_plot_point){.north_m = range_m * c,
+                              .east_m = range_m * s,
+                              .variance_nn_m2 = along2 * c * c + across2 * s * s,
+                              .variance_ee_m2 = along2 * s * s + across2 * c * c,
+                              .variance_ne_m2 = (along2 - across2) * c * s,
+                              .label = -1};
+}
+
+/* Plots of beams as wide as they are apart lie aslant to each other: each hears farther along the next one's line than
+ * along its own. Side by side, half as many tracks or fewer were said. */
+static void beams_that_meet_confirm_more(void **state) {
+    (void)state;
+    enum { LINES = 3, PINGS = 60000 };
+    static const double apart[] = {0.26, 0.38}; /* rad */
+    for (size_t n = 0; n < 2; n++) {
+        const double mid_m = 20.0, half_m = 5.0, per_ping = 1.0, step_s = 0.1;
+        double along2 = 0.0075, across2 = pow(apart[n] * mid_m, 2) / 12.0, east_m[LINES];
+        asdic_tracker *tracker = NULL;
+        asdic_tracker_options options = asdic_tracker_options_default();
+        assert_ok(ctx, asdic_tracker_create(ctx, &options, &tracker));
+        unsigned seed = 5;
+        double total = 0.0, confirmed = 0.0;
+        uint8_t *seen = calloc(4 * PINGS, 1);
+        for (int k = 0; k < PINGS; k++) {
+            asdic_plot_point plots[40];
+            size_t count = 0, alive = 0; /* Poisson */
+            for (double left = per_ping; count < 40; count++) {
+                left += log((rand_r(&seed) + 0.5) / (RAND_MAX + 1.0));
+                if (left < 0.0) {
+                    break;
+                }
+                double range_m = mid_m + half_m * (2.0 * rand_r(&seed) / RAND_MAX - 1.0);
+                plots[count] =
+                    plot_on(apart[n] * (rand_r(&seed) % LINES), range_m, along2, across2);
+            }
+            total += (double)count;
+            assert_ok(ctx, asdic_tracker_update(tracker, k * step_s, plots, count));
+            const asdic_track_state *tracks = asdic_tracker_get(tracker, &alive);
+            for (size_t i = 0; i < alive; i++) {
+                confirmed += tracks[i].confirmed && !seen[tracks[i].id];
+                seen[tracks[i].id] |= tracks[i].confirmed;
+            }
+        }
+        for (int i = 0; i < LINES; i++) {
+            east_m[i] = apart[n] * mid_m * i;
+        }
+        asdic_plot_point plot = plot_on(0.0, mid_m, along2, across2);
+        double per_m = per_ping / (2.0 * half_m * LINES), said[2];
+        for (int k = 0; k < 2; k++) {
+            said[k] = total * asdic_tracker_false_share(&options, step_s, &plot, per_m, east_m,
+                                                        LINES, k ? mid_m : (double)INFINITY);
+        }
+        print_message("%g rad: %.0f confirmed of %.0f, %.1f were said, side by side %.1f\n",
+                      apart[n], confirmed, total, said[1], said[0]);
+        assert_true(confirmed > 0.67 * said[1] && confirmed < 1.33 * said[1]);
+        free(seen);
+        asdic_tracker_destroy(&tracker);
+    }
 }
 
 int main(void) {
@@ -322,6 +387,7 @@ int main(void) {
         cmocka_unit_test(trackers_have_limits),
         cmocka_unit_test(plots_have_limits),
         cmocka_unit_test(clutter_confirms_tracks_as_said),
+        cmocka_unit_test(beams_that_meet_confirm_more),
     };
     return cmocka_run_group_tests(tests, context_begin, context_end);
 }

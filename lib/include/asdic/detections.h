@@ -55,8 +55,9 @@ typedef struct asdic_detect_class {
     asdic_truth truth;
     char name[ASDIC_NAME_SIZE]; /* of the object; else "none", "ghost", "faint" */
     uint64_t bins, detected;
-    /* Detections that P_D predicts, or of "none" P_FA: over neighbours as designed, else by what is in the
-     * bin, which is less than the background in an object's shadow. NAN: not predicted. */
+    /* Detections that P_D predicts, or of "none" P_FA: over neighbours as designed, else by what
+     * is in the bin, which is less than the background in an object's shadow. NAN: not
+     * predicted. */
     double expected;
 } asdic_detect_class;
 

@@ -1,6 +1,7 @@
 /*
- * The number of false tracks to expect: from false alarms of the designed probability, or the larger one that is
- * predicted or over neighbours was found, as many to a plot as were found, with plots anywhere in range on the beams' axes, by the tracker's rule.
+ * The number of false tracks to expect: from false alarms of the designed probability, or of a larger
+ * one that is predicted or, over neighbours, was found; as many to a plot as were found, with plots
+ * anywhere in range on the beams' axes, by the tracker's rule.
  */
 #include "detect_job.h"
 
@@ -107,7 +108,7 @@ static double confirmed(const asdic_detect_job *job, const asdic_pose *pose, con
         }
         sum += per_m * near_m * (factor - 1.0) *
                asdic_tracker_false_share(&job->options->tracker, step_s, &plot,
-                                         per_m / (double)a->beams, a->east_m, a->beams);
+                                         per_m / (double)a->beams, a->east_m, a->beams, plane_m);
     }
     return sum;
 }
