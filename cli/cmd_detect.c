@@ -87,8 +87,8 @@ static void explain_classes(const asdic_detect_report *r) {
         [ASDIC_TRUTH_GHOST] = "ghost: what stands out came by way of a mirror; nothing is there",
         [ASDIC_TRUTH_FAINT] =
             "faint: an echo is in the bin, but does not stand out of what else is",
-        [ASDIC_TRUTH_NONE] = "none: no echo to speak of; every detection is a false alarm, of "
-                             "which shadows have few"};
+        [ASDIC_TRUTH_NONE] = "none: no echo to speak of; every detection is a false alarm; "
+                             "there are fewer in shadows"};
     for (size_t i = 0; i < r->class_count; i++) {
         asdic_truth truth = r->classes[i].truth;
         if (r->classes[i].bins > 0 && truth != ASDIC_TRUTH_OBJECT) {

@@ -126,7 +126,7 @@ def test_objects_are_named_and_mapped():
         asdic("detect", "out", cwd=folder.path).check(1)
         text = asdic("detect", "out", "--force", cwd=folder.path).check(0).out
         tap.contains(text, "P_FA: design 0.0001")
-        tap.contains(text, "  none: no echo to speak of; every detection is a false alarm\n")
+        tap.contains(text, "  none: no echo to speak of; every detection is a false alarm; there are fewer in shadows\n")
         tap.equal("  faint: " in text, any(k["truth"] == "faint" and k["bins"] for k in report["confusion"]),
                   "what a row means is said where there is one")
         tap.lacks(text, "(of ")
