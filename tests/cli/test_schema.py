@@ -37,6 +37,7 @@ def test_schema_names_every_part():
     frequency = printed["properties"]["sonar"]["properties"]["frequency_khz"]
     tap.equal((frequency["minimum"], frequency["maximum"]), (0.1, 3000))
     tap.contains(frequency["description"], "[kHz]")
+    tap.equal(printed["properties"]["sampling"]["properties"]["seed"]["maximum"], 2**53)
     tap.equal(printed["properties"]["environment"]["properties"]["ph"]["default"], 8)
     tap.equal(printed["properties"]["output"]["properties"]["images"]["default"],
               ["waterfall", "ascope", "fan", "overview", "plan"])

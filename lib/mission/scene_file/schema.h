@@ -66,6 +66,11 @@ typedef struct asdic_key {
     const char *doc;
 } asdic_key;
 
+/* Digits that KEY's limits are printed with: 2^53 has 16, of which decimals would show how they are rounded. */
+static inline int asdic_key_digits(const asdic_key *key) {
+    return key->max >= 1e15 ? 16 : 15;
+}
+
 typedef struct asdic_table {
     const char *doc;
     const asdic_key *keys;

@@ -26,8 +26,9 @@ static void print_words(const asdic_key *key, asdic_text *text) {
 }
 
 static void print_range(const asdic_key *key, const char *type, asdic_text *text) {
-    asdic_text_format(text, "\"type\": \"%s\", \"minimum\": %.15g, \"maximum\": %.15g", type,
-                      key->min, key->max);
+    int digits = asdic_key_digits(key);
+    asdic_text_format(text, "\"type\": \"%s\", \"minimum\": %.*g, \"maximum\": %.*g", type, digits,
+                      key->min, digits, key->max);
 }
 
 /* A number of TYPE, or one of some words as well. */

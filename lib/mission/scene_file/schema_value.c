@@ -137,10 +137,9 @@ static bool is_plain(const asdic_schema_reader *r, const asdic_key *key, asdic_y
 static void report_range(const asdic_schema_reader *r, const asdic_key *key,
                          asdic_yaml_node *node) {
     char shown[192];
-    asdic_yaml_problem(r->problems, node,
-                       key->max >= 1e15 ? "%s is out of range [%.0f, %.0f]%s%s" /* a whole one */
-                                        : "%s is out of range [%.15g, %.15g]%s%s",
-                       show(key, node, shown, sizeof shown), key->min, key->max,
+    int digits = asdic_key_digits(key);
+    asdic_yaml_problem(r->problems, node, "%s is out of range [%.*g, %.*g]%s%s",
+                       show(key, node, shown, sizeof shown), digits, key->min, digits, key->max,
                        key->unit ? " " : "", key->unit ? key->unit : "");
 }
 
