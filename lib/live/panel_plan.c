@@ -121,6 +121,7 @@ static void beams(const map *m, const asdic_view *view) {
                          .wavelength_m = asdic_view_wavelength_m(view),
                          .range_m = asdic_view_range_m(view)};
     bool is_apart = sonar->receiver_count <= ASDIC_SWATH_APART, has_bottom = false;
+    swath.is_rough = !is_apart; /* every frame anew */
     cairo_new_path(m->p->canvas->cr);
     for (size_t k = 0; k < sonar->receiver_count; k += swath.count) {
         asdic_swath_take(&swath, sonar, k);
@@ -137,6 +138,7 @@ static void beams(const map *m, const asdic_view *view) {
     }
     swath.beams = &sonar->receivers[view->beam];
     swath.count = 1;
+    swath.is_rough = false;
     bool meets = trace(m, view, &swath);
     ink(m, PANEL_AMBER_RGB, 0.14, 0.7, !meets);
 }

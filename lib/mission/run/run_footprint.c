@@ -10,8 +10,9 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Directions across one beam, and at most across a fan. */
+/* Directions across one beam, across one of many that are drawn at once, and at most across a fan. */
 #define ACROSS 17
+#define ACROSS_ROUGH 5
 #define MOST_ACROSS 129
 /* Directions from a lobe's lower edge to its upper one, and halvings of what lies between one that meets the
  * bottom and one that does not. */
@@ -69,8 +70,9 @@ static size_t cut_swath(const asdic_swath *s, bool is_round, cut cuts[MOST_ACROS
     const asdic_beam *first = beam_at(s, 0), *last = beam_at(s, s->count - 1);
     double half_rad = 0.5 * asdic_half_power_rad(s->wavelength_m, first->length_h_m);
     if (s->count == 1) {
-        while (n < ACROSS) {
-            double share = 2.0 * (double)n / (ACROSS - 1) - 1.0;
+        size_t across = s->is_rough ? ACROSS_ROUGH : ACROSS;
+        while (n < across) {
+            double share = 2.0 * (double)n / (double)(across - 1) - 1.0;
             cuts[n++] = cut_at(s, first, share * half_rad);
         }
         return n;

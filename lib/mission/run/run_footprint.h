@@ -22,6 +22,7 @@ typedef struct asdic_swath {
     size_t count;
     double wavelength_m, range_m;
     const asdic_layers *layers; /* of water that bends rays; NULL: they are straight */
+    bool is_rough;              /* a beam alone has five directions across in place of seventeen */
 } asdic_swath;
 
 /* As few beams as these have each an area of its own. */
