@@ -29,10 +29,6 @@ size_t asdic_eigenrays_find(const asdic_layers *layers, double from_m, double to
 size_t asdic_eigenrays_find_more(const asdic_layers *layers, double from_m, double to_m,
                                  double across_m, size_t most, asdic_eigenray *found);
 
-/* The same of MOST rays. */
-size_t asdic_eigenrays_find_more(const asdic_layers *layers, double from_m, double to_m,
-                                 double across_m, size_t most, asdic_eigenray *found);
-
 /* Where a leg of a ray ends, in layer LAYER; it begins where the one before ends. */
 typedef struct asdic_eigenray_leg {
     size_t layer;
