@@ -33,6 +33,14 @@ double asdic_scatterer_knot_deg(const asdic_scatterer *s, size_t index) {
     return law->knot_deg ? law->knot_deg(s, index) : NAN;
 }
 
+size_t asdic_scatterer_knots(const asdic_scatterer *s) {
+    size_t count = 0;
+    while (!isnan(asdic_scatterer_knot_deg(s, count))) {
+        count++;
+    }
+    return count;
+}
+
 void asdic_scatterer_silence(asdic_scatterer *s) {
     s->silent = true;
     s->device.formula[0] = 0.0f; /* the gain of the surface's formula */

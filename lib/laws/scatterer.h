@@ -96,6 +96,9 @@ double asdic_scatterer_uncertainty_db(const asdic_scatterer *s);
 /* Its law's knot_deg at INDEX, NAN after the last. */
 double asdic_scatterer_knot_deg(const asdic_scatterer *s, size_t index);
 
+/* How many it has. */
+size_t asdic_scatterer_knots(const asdic_scatterer *s);
+
 /* Makes it return nothing. */
 void asdic_scatterer_silence(asdic_scatterer *s);
 

@@ -153,16 +153,13 @@ static double reflected(const void *of, double sine, double cos2) {
 
 asdic_status asdic_law_tables_add(asdic_context *ctx, asdic_scatterer *s, asdic_law_words *out) {
     const asdic_law *law = s->material.law;
-    size_t count = 0;
+    size_t count = asdic_scatterer_knots(s);
     if (out->count == 0) { /* no table lies at word 0 */
         bool failed = false;
         push(out, 0, &failed);
         if (failed) {
             return asdic_fail_memory(ctx, "the table of a scattering law");
         }
-    }
-    while (!isnan(asdic_scatterer_knot_deg(s, count))) {
-        count++;
     }
     double *knots_deg = malloc((count + 1) * sizeof *knots_deg);
     if (!knots_deg) {

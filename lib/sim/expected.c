@@ -68,6 +68,7 @@ typedef struct integrand {
     double height_m; /* of the sonar from the plane */
     bool surface;    /* the plane is the surface */
     double cycles;   /* of the pattern in a radian, where few nodes do; else INFINITY */
+    size_t knots;    /* of the scattering law that lie further out than what is integrated */
 } integrand;
 
 /* Over a stretch in which elevations turn by TURN_RAD; by Gauss's three nodes where that is little. */
@@ -104,23 +105,24 @@ static double boundary_density(double s, void *user) {
     return ring.area * transmission(in->laws, ring.range) * strength * sum;
 }
 
-/* Cut at the knots of the scattering law, steeper angles first, which are nearer. */
+static const asdic_scatterer *law_of(const integrand *in) {
+    return in->surface ? &in->laws->surface : &in->laws->bottom;
+}
+
+/* Cut at the knots of the scattering law, steeper angles first, which are nearer; bins further out follow. */
 static double boundary_energy(integrand *in, double begin_m, double end_m) {
-    const asdic_scatterer *law = in->surface ? &in->laws->surface : &in->laws->bottom;
     double h = in->height_m, from_m = begin_m, sum = 0.0;
-    size_t knots = 0;
-    while (!isnan(asdic_scatterer_knot_deg(law, knots))) {
-        knots++;
-    }
     while (from_m < end_m && end_m > h) {
-        double to_m = end_m;
-        if (knots > 0) {
-            double sine = sin(asdic_scatterer_knot_deg(law, --knots) * (ASDIC_PI / 180.0));
-            to_m = fmin(fmax(h / sine, from_m), end_m);
+        double knot_m = INFINITY;
+        if (in->knots > 0) {
+            double deg = asdic_scatterer_knot_deg(law_of(in), in->knots - 1);
+            knot_m = h / sin(deg * (ASDIC_PI / 180.0));
         }
+        double to_m = fmin(fmax(knot_m, from_m), end_m);
         sum += integrate(boundary_density, in, ray_ring_coordinate(h, from_m),
                          ray_ring_coordinate(h, to_m), turn_of(h, from_m, to_m));
         from_m = to_m;
+        in->knots -= !(knot_m > end_m); /* NAN: at a height of 0 */
     }
     return sum;
 }
@@ -159,8 +161,12 @@ static void compute_beam(asdic_context *ctx, const asdic_flat_laws *laws, const 
                          const asdic_ring_profile *profile, bool is_quick, asdic_ping *ping,
                          size_t beam) {
     double cycles = is_quick ? asdic_ring_profile_cycles(profile) : INFINITY;
-    integrand bottom = {laws, profile, laws->flat.altitude_m, false, cycles};
-    integrand surface = {laws, profile, laws->flat.depth_m, true, cycles};
+    integrand bottom = {
+        laws,  profile, laws->flat.altitude_m,
+        false, cycles,  laws->flat.has_bottom ? asdic_scatterer_knots(&laws->bottom) : 0};
+    integrand surface = {
+        laws, profile, laws->flat.depth_m,
+        true, cycles,  laws->flat.has_surface ? asdic_scatterer_knots(&laws->surface) : 0};
     for (size_t n = 0; n < ping->bins && !asdic_context_interrupted(ctx); n++) {
         double begin = fmax((double)n * sonar->bin_length_m, sonar->blanking_m);
         double end = (double)(n + 1) * sonar->bin_length_m;

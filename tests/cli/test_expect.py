@@ -195,6 +195,20 @@ def test_narrow_peaks_of_a_curve_are_met():
             tap.equal(abs(levels[1] - levels[0] - rise_db) < 0.03, True, f"a rise of {levels[1] - levels[0]}, not {rise_db}")
 
 
+def test_a_curve_of_many_rows_is_that_of_few():
+    """Rows on one line, linear in dB: those between its ends change nothing, down to the step of a single bin's angles."""
+    scene = SCENE.replace("type: sand", "curve: curve.csv").replace("bin_length_m: 0.5", "bin_length_m: 0.1")
+    with Folder() as folder:
+        found = []
+        for rows in 2, 9001:
+            lines = (f"{90 * i / (rows - 1)!r},{-40 + 20 * i / (rows - 1)!r}\n" for i in range(rows))
+            folder.write("curve.csv", "grazing_deg,strength_db\n" + "".join(lines))
+            found.append(expected(folder, scene=scene))
+        for key, row in found[0].items():
+            if row["bottom_db"]:
+                near(found[1][key]["bottom_db"], float(row["bottom_db"]), 1e-5)
+
+
 def curves_of(svg):
     """Points of every line of a picture, in pixels."""
     for path in re.findall(r"<path [^>]*stroke[:=][^>]* d=\"([^\"]*)\"", svg):
