@@ -31,13 +31,15 @@ typedef struct environment_field {
     bool may_be_derived;
 } environment_field;
 
-/* Planes nearer than this are one to single precision: rays that cross them 10 um apart are right to 0.1 dB, at 1 um
- * they are lost. */
+/* Planes nearer than this, and than this part of their depth, are one to single precision: over a step of 20 m/s in so
+ * little a bottom is right to 0.05 dB r.m.s. down to 10 km, where one in a millimetre errs by 0.4. */
 #define NEAREST_M 1e-3
+#define NEAREST 1e-5
 
 bool asdic_sound_profile_flaw(const asdic_sound_profile *p, size_t i, char *why, size_t size) {
     double depth = p->depth_m[i], speed = p->sound_speed_mps[i];
     double before = i > 0 ? p->depth_m[i - 1] : -INFINITY;
+    double nearest = fmax(NEAREST_M, NEAREST * depth);
     if (!(depth >= 0.0 && depth <= 11000.0)) {
         snprintf(why, size, "a depth of %.15g m is out of range [0, 11000] m", depth);
     } else if (!(depth > before)) {
@@ -45,11 +47,11 @@ bool asdic_sound_profile_flaw(const asdic_sound_profile *p, size_t i, char *why,
                  "a depth of %.15g m is not below the %.15g m before; order the points from the "
                  "surface down, each depth once",
                  depth, before);
-    } else if (depth - before < (1.0 - 1e-6) * NEAREST_M) {
+    } else if (depth - before < (1.0 - 1e-6) * nearest) {
         snprintf(why, size,
                  "a depth of %.15g m is less than %g m below the %.15g m before; leave one of the "
                  "two out, or for a step put them that far apart",
-                 depth, NEAREST_M, before);
+                 depth, nearest, before);
     } else if (!(speed >= ASDIC_SOUND_LEAST_MPS && speed <= ASDIC_SOUND_MOST_MPS)) {
         snprintf(why, size, "a sound speed of %.15g m/s is out of range [%g, %g] m/s", speed,
                  ASDIC_SOUND_LEAST_MPS, ASDIC_SOUND_MOST_MPS);

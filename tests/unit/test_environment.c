@@ -85,7 +85,9 @@ static void a_profile_has_its_limits(void **state) {
     REFUSED(cast(3, (const double[]){0.0, 8.0, 8.000999}, speed), "point 3",
             "less than 0.001 m below the 8 m");
     assert_ok(ctx, check(cast(3, (const double[]){0.0, 3.048, 3.049}, speed)));
-    assert_ok(ctx, check(cast(3, (const double[]){0.0, 10999.999, 11000.0}, speed)));
+    assert_ok(ctx, check(cast(3, (const double[]){0.0, 10999.89, 11000.0}, speed)));
+    REFUSED(cast(3, (const double[]){0.0, 10999.9, 11000.0}, speed), "point 3",
+            "less than 0.11 m below the 10999.9 m");
     REFUSED(cast(3, (const double[]){-1.0, 8.0, 9.0}, speed), "point 1", "-1 m", "[0, 11000]");
     REFUSED(cast(3, (const double[]){0.0, NAN, 9.0}, speed), "point 2", "nan");
     REFUSED(cast(3, depth, (const double[]){1495.0, 1299.0, 1483.0}), "point 2", "1299 m/s",
