@@ -4,7 +4,8 @@
  * on over terrain, and where it has turned past a quay or climbed through layers; within 0.8 and 1.25 of each of many
  * unlike beams, within 0.7 and 1.25 of the bins that open water rules; within 0.5 and 1.4 where the vehicle has come
  * nearer to objects since it learnt, or they to it (bins of few receivers that few rays may have missed state that they
- * are not known), within 0.4 and 1.3 of those bins that objects rule; within 0.7 and 1.3 of the bins of first echoes.
+ * are not known), within 0.4 and 1.3 of those bins that objects rule; within 0.7 and 1.3 of the bins of first echoes,
+ * of fans' within 0.8 and 1.2, of which at most 0.4 % err by more than five stated errors.
  * Of bins with noise that the rays of some pings miss at most 0.2 % err by more than five stated errors, of those that
  * single rays meet by way of a body 0.07 %, of those over a terrain whose edges have moved since 1 %.
  */
@@ -759,6 +760,53 @@ static void first_echoes(void **state) {
     }
 }
 
+/* Of add_first: those that err by more than five stated errors, too. */
+static void add_first_beyond(const honesty_rig *r, const asdic_ping *truth, size_t i, double square,
+                             honesty_sum *sums) {
+    honesty_sum own[2] = {{0}};
+    add_first(r, truth, i, square, own);
+    if (own[1].count > 0.0) {
+        add_square(&sums[0], square);
+        add_square(&sums[1], square > 25.0);
+    }
+}
+
+/* The few rays that bring a first echo bring it to many beams at once. */
+static void first_echoes_of_fans(void **state) {
+    (void)state;
+    static const char text[] =
+        "version: 1\n"
+        "bottom: {depth_m: 12, type: sand}\n"
+        "sonar:\n"
+        "  frequency_khz: %g\n"
+        "  bandwidth_khz: 20\n"
+        "  max_range_m: %g\n"
+        "  bin_length_m: 0.2\n"
+        "  transmitter: {length_h_m: %g, length_v_m: %g}\n"
+        "  receivers: {fan: {count: %d, sector_deg: %g, length_h_m: %g, length_v_m: %g}}\n"
+        "mission: {pose: {position_m: [0, 0, %g]}, pings: 1}\n";
+    static const struct {
+        double khz, range_m, sender_m, high_m;
+        int beams;
+        double sector_deg, receiver_m, depth_m;
+    } cases[] = {{450, 42, 0.00166, 0.0208, 256, 60, 0.729, 6.18},
+                 {200, 40.6, 0.00373, 0.0231, 128, 90, 0.546, 6.48}};
+    honesty_sum sums[2] = {{0}};
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        char whole[sizeof text + 64];
+        snprintf(whole, sizeof whole, text, cases[k].khz, cases[k].range_m, cases[k].sender_m,
+                 cases[k].high_m, cases[k].beams, cases[k].sector_deg, cases[k].receiver_m,
+                 cases[k].high_m, cases[k].depth_m);
+        honesty_rig r = rig_of_text(whole);
+        add_errors(&r, 20000, 16, add_first_beyond, sums);
+        rig_close(&r);
+    }
+    double beyond = sums[1].squares / sums[1].count;
+    print_message("first echoes of fans: true over stated %.2f of %.0f, beyond five %.3f %%\n",
+                  rms_of(sums[0]), sums[0].count, 100.0 * beyond);
+    assert_true(rms_of(sums[0]) > 0.8 && rms_of(sums[0]) < 1.2 && beyond < 4e-3);
+}
+
 /* Objects in open water. The vehicle has come nearer since it learnt, or one of them to it: an echo that few rays make
  * is in bins that held water then. */
 static const char objects_text[] =
@@ -940,6 +988,7 @@ int main(void) {
         cmocka_unit_test(unlike_beams),
         cmocka_unit_test(open_water),
         cmocka_unit_test(first_echoes),
+        cmocka_unit_test(first_echoes_of_fans),
         cmocka_unit_test(objects_that_came_nearer),
         cmocka_unit_test(bins_that_rays_miss),
         cmocka_unit_test(bins_that_single_rays_meet),
