@@ -1,5 +1,6 @@
 #include "patch.h"
 
+#include "joint.h"
 #include "mesh_build.h"
 
 #include "../base/context.h"
@@ -11,6 +12,9 @@
 /* Facets are coplanar when their normals agree to this, and their planes to this much of the
  * part's extent. */
 #define SAME_PLANE 1e-3
+/* What lies between edges and is no thicker than this share of its extent is one face: it bends with a radius of 300
+ * extents at least, and is in phase up to wavelengths of a 300th. */
+#define LEVEL 4e-4
 #define NO_PATCH UINT32_MAX
 #define NO_FACET UINT32_MAX
 
@@ -83,8 +87,10 @@ static void mark_rim(asdic_surface *s, uint32_t facet, int k, uint32_t other) {
 }
 
 /* Facets that are wound alike have their common edge in opposite directions. Files may hold a body's facets wound
- * either way; from the first of each piece on the others follow. QUEUE has room for all. Marks rims on the way. */
-static void find_sides(asdic_surface *s, uint32_t *queue) {
+ * either way; from the first of each piece on the others follow. QUEUE has room for all. Marks rims on the way, and
+ * lists the corners at which edges begin that no facet, or several, lie beyond, in OPEN; how many. */
+static size_t find_sides(asdic_surface *s, uint32_t *queue, uint32_t *open) {
+    size_t open_count = 0;
     memset(s->side, 0, s->count);
     for (uint32_t seed = 0; seed < s->count; seed++) {
         size_t head = 0, tail = 0;
@@ -99,6 +105,7 @@ static void find_sides(asdic_surface *s, uint32_t *queue) {
                 int way = 0;
                 uint32_t other = facet_beyond(s, facet, v[k], v[(k + 1) % 3], &way);
                 if (other == NO_FACET) {
+                    open[open_count++] = 3 * facet + (uint32_t)k;
                     continue;
                 }
                 mark_rim(s, facet, k, other);
@@ -109,6 +116,7 @@ static void find_sides(asdic_surface *s, uint32_t *queue) {
             }
         }
     }
+    return open_count;
 }
 
 /* Second moments of a patch's area in its plane. */
@@ -205,6 +213,78 @@ static void grow_patch(asdic_surface *s, uint32_t seed, uint32_t number, double 
     s->patches[number] = patch_of(&m);
 }
 
+/* Whether the facets of QUEUE are of several patches and all lie in one plane, whose NORMAL follows. */
+static bool is_level(const asdic_surface *s, const uint32_t *queue, size_t count,
+                     asdic_vec3 *normal) {
+    asdic_vec3 sum = {0.0, 0.0, 0.0};
+    bool several = false;
+    for (size_t i = 0; i < count; i++) {
+        double area_m2 = asdic_surface_area(s, queue[i]);
+        sum = asdic_vec3_add(sum, asdic_vec3_scale(asdic_surface_normal(s, queue[i]), area_m2));
+        several |= s->patch[queue[i]] != s->patch[queue[0]];
+    }
+    double length = asdic_vec3_length(sum);
+    if (!several || !(length > 0.0)) {
+        return false;
+    }
+    *normal = asdic_vec3_scale(sum, 1.0 / length);
+    asdic_vec3 origin = asdic_surface_corner(s, 3 * (size_t)queue[0]);
+    double low = 0.0, high = 0.0, extent2 = 0.0;
+    for (size_t i = 0; i < count; i++) {
+        for (size_t k = 0; k < 3; k++) {
+            asdic_vec3 p =
+                asdic_vec3_sub(asdic_surface_corner(s, 3 * (size_t)queue[i] + k), origin);
+            double above = asdic_vec3_dot(*normal, p);
+            low = fmin(low, above);
+            high = fmax(high, above);
+            extent2 = fmax(extent2, asdic_vec3_dot(p, p));
+        }
+    }
+    return high - low <= LEVEL * sqrt(extent2);
+}
+
+/* Makes what lies between edges and is nearly in a plane one patch. QUEUE has room for all facets; DONE has false for each,
+ * SPENT for each vertex. */
+static void level_faces(asdic_surface *s, uint32_t *queue, bool *done, bool *spent) {
+    for (uint32_t seed = 0; seed < s->count; seed++) {
+        size_t head = 0, tail = 0;
+        if (!done[seed]) {
+            done[seed] = true;
+            queue[tail++] = seed;
+        }
+        while (head < tail) {
+            uint32_t facet = queue[head++];
+            asdic_vec3 own = asdic_surface_normal(s, facet);
+            for (int k = 0; k < 3; k++) {
+                uint32_t vertex = s->vertex[3 * (size_t)facet + k], first = s->first[vertex];
+                uint32_t end = s->first[vertex + 1];
+                bool all = true;
+                for (uint32_t i = first;
+                     i < end && !spent[vertex] && end - first <= ASDIC_MOST_CORNERS; i++) {
+                    uint32_t other = s->touching[i] / 3;
+                    if (!done[other] && asdic_vec3_dot(own, asdic_surface_normal(s, other)) >=
+                                            ASDIC_CREASE_COSINE) {
+                        done[other] = true;
+                        queue[tail++] = other;
+                    }
+                    all &= done[other];
+                }
+                spent[vertex] |= all;
+            }
+        }
+        asdic_vec3 normal;
+        if (tail > 1 && is_level(s, queue, tail, &normal)) {
+            moments m = moments_at(s, seed);
+            for (size_t i = 0; i < tail; i++) {
+                moments_add(&m, s, queue[i]);
+                s->patch[queue[i]] = s->patch[seed];
+            }
+            s->patches[s->patch[seed]] = patch_of(&m);
+            s->patches[s->patch[seed]].normal = normal;
+        }
+    }
+}
+
 asdic_status asdic_surface_init(asdic_context *ctx, const double *corners_m, dev_triangle *facets,
                                 uint32_t count, asdic_surface *out) {
     size_t corners = 3 * (size_t)count;
@@ -213,9 +293,9 @@ asdic_status asdic_surface_init(asdic_context *ctx, const double *corners_m, dev
     out->first = calloc(corners + 2, sizeof *out->first);
     out->touching = malloc(corners * sizeof *out->touching);
     out->side = malloc(count * sizeof *out->side);
-    uint32_t *queue = malloc(count * sizeof *queue);
+    uint32_t *queue = malloc(count * sizeof *queue), *open = malloc(corners * sizeof *open);
     asdic_status status = ASDIC_OK;
-    if (!out->vertex || !out->first || !out->touching || !out->side || !queue) {
+    if (!out->vertex || !out->first || !out->touching || !out->side || !queue || !open) {
         status = asdic_fail_memory(ctx, "the surface of an object");
         goto fail;
     }
@@ -224,9 +304,13 @@ asdic_status asdic_surface_init(asdic_context *ctx, const double *corners_m, dev
         goto fail;
     }
     sort_corners(out);
-    find_sides(out, queue);
+    size_t open_count = find_sides(out, queue, open);
+    if (open_count > 0) {
+        status = asdic_surface_join(ctx, out, open, open_count, SAME_PLANE);
+    }
 fail:
     free(queue);
+    free(open);
     return status;
 }
 
@@ -235,8 +319,9 @@ asdic_status asdic_surface_find_patches(asdic_context *ctx, double size_m, asdic
     s->patch = malloc(s->count * sizeof *s->patch);
     s->patches = malloc(s->count * sizeof *s->patches);
     uint32_t *queue = malloc(s->count * sizeof *queue), *seen = malloc(corners * sizeof *seen);
+    bool *done = calloc(4 * (size_t)s->count, sizeof *done);
     uint32_t number = 0;
-    bool has_room = s->patch && s->patches && queue && seen;
+    bool has_room = s->patch && s->patches && queue && seen && done;
     if (has_room) {
         memset(s->patch, 0xff, s->count * sizeof *s->patch);
         memset(seen, 0xff, corners * sizeof *seen);
@@ -246,8 +331,12 @@ asdic_status asdic_surface_find_patches(asdic_context *ctx, double size_m, asdic
             grow_patch(s, facet, number++, size_m, queue, seen);
         }
     }
+    if (has_room) {
+        level_faces(s, queue, done, done + s->count);
+    }
     free(queue);
     free(seen);
+    free(done);
     return has_room ? ASDIC_OK : asdic_fail_memory(ctx, "the flat patches of an object");
 }
 

@@ -9,23 +9,29 @@
 /* A vertex with more corners than this is the tip of a cone, or of a broken mesh: it stays sharp. */
 #define ASDIC_MOST_CORNERS 1024
 
-/* Touching facets in one plane. */
+/* Facets that meet at a sharper angle than 35 degrees meet at an edge; below it they stand for one
+ * curved surface. A round body of 16 facets turns by 32 from one to the next but one. */
+#define ASDIC_CREASE_COSINE 0.819
+
+/* Touching facets in one plane, or so nearly that rounded coordinates tell the difference. */
 typedef struct asdic_patch {
     double area_m2;
     double length2_m2;  /* square of its length: of a rectangle's longer side */
     double breadth2_m2; /* of the shorter one */
     asdic_vec3 along;   /* unit, along its length */
+    asdic_vec3 normal;  /* of what is nearly in a plane; 0: each facet's own */
 } asdic_patch;
 
 typedef struct asdic_surface {
     const double *corners_m; /* 9 per facet, world */
     dev_triangle *facets;
     uint32_t count;
-    uint32_t *vertex;   /* 3 per facet: the lowest corner where this one is */
-    uint32_t *first;    /* 3 * count + 1: where a vertex' corners begin in touching */
-    uint32_t *touching; /* corners by vertex */
-    int8_t *side;       /* per facet: 1 as it is wound, -1 the other way; neighbours then agree */
-    uint32_t *patch;    /* per facet */
+    uint32_t *vertex; /* 3 per facet: the lowest corner where this one is */
+    uint32_t *first;  /* 3 * count + 1: where a vertex' corners begin in touching */
+    uint32_t *
+        touching; /* corners by vertex; then both ends of every open edge on which the vertex lies */
+    int8_t *side;    /* per facet: 1 as it is wound, -1 the other way; neighbours then agree */
+    uint32_t *patch; /* per facet */
     asdic_patch *patches;
     const asdic_vec3
         *round;        /* 3 per facet: normals as if no patch were a face with a rounded edge */

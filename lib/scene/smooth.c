@@ -15,9 +15,7 @@
 
 #include <stdlib.h>
 
-/* Facets that meet at a sharper angle than 35 degrees meet at an edge; below it they stand for one
- * curved surface. A round body of 16 facets turns by 32 from one to the next but one. */
-#define CREASE_COSINE 0.819
+/* Of half the angle at which facets meet at an edge. */
 #define HALF_CREASE_COSINE 0.954
 /* A patch this much larger than its neighbour may be a flat face with a rounded edge, which stays flat. */
 #define FACE_RATIO 4.0
@@ -26,6 +24,8 @@
 /* A face is cut into two triangles at least, unless it is one. What is cut into more than one across the way in which
  * it would bend is one for certain: facets of a curved surface turn from one to the next. */
 #define SOME_FACETS 1.5
+/* Normals differ one way alone where the variance the other way is a smaller share. */
+#define ONE_WAY 1e-6
 /* What lies ahead over a bevel goes on turning about its edge; the cap of a round body's end, beside fine strips, has
  * its normal along that, with this cosine or more. */
 #define ASIDE 0.5
@@ -43,16 +43,27 @@ uint32_t asdic_smooth_pack(asdic_vec3 n) {
     return low | high << 16;
 }
 
+/* The edges, as seen from P, of the facet that touches it with CORNER. */
+typedef struct wedge {
+    asdic_vec3 a, b;
+} wedge;
+
+static wedge wedge_at(const asdic_surface *s, asdic_vec3 p, uint32_t corner) {
+    size_t facet = 3 * (size_t)(corner / 3);
+    return (wedge){asdic_vec3_sub(asdic_surface_corner(s, facet + (corner + 1) % 3), p),
+                   asdic_vec3_sub(asdic_surface_corner(s, facet + (corner + 2) % 3), p)};
+}
+
 /* Weight of a facet's normal at one of its corners, sin / (|a| |b|) of the edges a and b that meet
  * there: exact where the vertices lie on a sphere (N. Max, "Weights for computing vertex normals
  * from facet normals", J. Graphics Tools 4(2), 1999). */
-static double corner_weight(const asdic_surface *s, uint32_t corner) {
-    size_t facet = 3 * (size_t)(corner / 3);
-    asdic_vec3 p = asdic_surface_corner(s, corner);
-    asdic_vec3 a = asdic_vec3_sub(asdic_surface_corner(s, facet + (corner + 1) % 3), p);
-    asdic_vec3 b = asdic_vec3_sub(asdic_surface_corner(s, facet + (corner + 2) % 3), p);
-    double aa = asdic_vec3_dot(a, a), bb = asdic_vec3_dot(b, b);
-    return aa * bb > 0.0 ? asdic_vec3_length(asdic_vec3_cross(a, b)) / (aa * bb) : 0.0;
+static double corner_weight(wedge w) {
+    double aa = asdic_vec3_dot(w.a, w.a), bb = asdic_vec3_dot(w.b, w.b);
+    return aa * bb > 0.0 ? asdic_vec3_length(asdic_vec3_cross(w.a, w.b)) / (aa * bb) : 0.0;
+}
+
+static double corner_angle(wedge w) {
+    return atan2(asdic_vec3_length(asdic_vec3_cross(w.a, w.b)), asdic_vec3_dot(w.a, w.b));
 }
 
 static asdic_vec3 sum_of_corners(const asdic_surface *s, uint32_t facet) {
@@ -72,7 +83,7 @@ static bool is_bevel(const asdic_surface *s, uint32_t facet, uint32_t corner, as
         for (uint32_t i = first; i < end && end - first <= ASDIC_MOST_CORNERS; i++) {
             uint32_t next = s->touching[i] / 3;
             asdic_vec3 normal = asdic_surface_normal(s, next);
-            if (asdic_vec3_dot(own, normal) < CREASE_COSINE &&
+            if (asdic_vec3_dot(own, normal) < ASDIC_CREASE_COSINE &&
                 fabs(asdic_vec3_dot(edge, normal)) < aside &&
                 asdic_vec3_dot(way, asdic_vec3_sub(sum_of_corners(s, next), from)) > 0.0) {
                 return true;
@@ -119,7 +130,7 @@ static bool goes_on(const asdic_surface *s, uint32_t facet, uint32_t corner) {
     }
     double least_m2 = s->patches[s->patch[facet]].area_m2 / FACE_RATIO;
     return asdic_vec3_dot(asdic_surface_normal(s, facet), asdic_surface_normal(s, other)) >=
-               CREASE_COSINE &&
+               ASDIC_CREASE_COSINE &&
            !(s->round && s->patches[s->patch[other]].area_m2 < least_m2 &&
              begins_edge(s, facet, corner));
 }
@@ -164,21 +175,72 @@ static bool is_whole(const asdic_surface *s, ring r) {
     return true;
 }
 
+/* Two axes across N. */
+static void axes_across(asdic_vec3 n, asdic_vec3 *u, asdic_vec3 *v) {
+    *u = asdic_vec3_cross(n, fabs(n.x) < 0.6 ? (asdic_vec3){1, 0, 0} : (asdic_vec3){0, 1, 0});
+    *u = asdic_vec3_scale(*u, 1.0 / asdic_vec3_length(*u));
+    *v = asdic_vec3_cross(n, *u);
+}
+
+/* Whether the facets' normals at CORNER, about N, differ one way alone, ACROSS, as those of a tube's strips do. */
+static bool bends_one_way(const asdic_surface *s, ring r, uint32_t corner, asdic_vec3 n,
+                          asdic_vec3 *across) {
+    asdic_vec3 u, v;
+    double uu = 0.0, uv = 0.0, vv = 0.0;
+    axes_across(n, &u, &v);
+    for (uint32_t i = r.first; i < r.end; i++) {
+        if (r.whole || goes_on(s, corner / 3, s->touching[i])) {
+            asdic_vec3 normal = asdic_surface_normal(s, s->touching[i] / 3);
+            double nu = asdic_vec3_dot(normal, u), nv = asdic_vec3_dot(normal, v);
+            uu += nu * nu;
+            uv += nu * nv;
+            vv += nv * nv;
+        }
+    }
+    *across = asdic_vec3_add(asdic_vec3_scale(u, uu > vv ? uu : uv),
+                             asdic_vec3_scale(v, uu > vv ? uv : vv));
+    return uu * vv - uv * uv <= ONE_WAY * (uu + vv) * (uu + vv);
+}
+
+/* The normal at CORNER, N before, of a surface that bends one way, ACROSS, there. Chords of a circle count by 1 / length,
+ * which Max's weights are in a plane; the facets of one strip, however it is cut, share its part by their angles. */
+static asdic_vec3 strip_normal(const asdic_surface *s, ring r, uint32_t corner, asdic_vec3 n,
+                               asdic_vec3 across) {
+    asdic_vec3 sum = {0.0, 0.0, 0.0}, p = asdic_surface_corner(s, corner);
+    for (uint32_t i = r.first; i < r.end; i++) {
+        uint32_t at = s->touching[i];
+        asdic_vec3 normal = asdic_surface_normal(s, at / 3);
+        double width = width_along(s, at / 3, across);
+        if (width > 0.0 && (r.whole || goes_on(s, corner / 3, at))) {
+            double weight = corner_angle(wedge_at(s, p, at)) * asdic_vec3_dot(normal, n) / width;
+            sum = asdic_vec3_add(sum, asdic_vec3_scale(normal, weight));
+        }
+    }
+    double length = asdic_vec3_length(sum);
+    return length > 0.0 ? asdic_vec3_scale(sum, 1.0 / length) : n;
+}
+
 /* The mean of the normals that meet at CORNER; as BEFORE where no face may begin. */
 static asdic_vec3 mean_normal(const asdic_surface *s, ring r, const asdic_vec3 *before,
                               uint32_t corner) {
     if (before && r.whole) {
         return before[corner];
     }
-    asdic_vec3 sum = {0.0, 0.0, 0.0};
+    asdic_vec3 sum = {0.0, 0.0, 0.0}, p = asdic_surface_corner(s, corner), across;
     for (uint32_t i = r.first; i < r.end; i++) {
-        if (r.whole || goes_on(s, corner / 3, s->touching[i])) {
-            asdic_vec3 normal = asdic_surface_normal(s, s->touching[i] / 3);
-            sum = asdic_vec3_add(sum, asdic_vec3_scale(normal, corner_weight(s, s->touching[i])));
+        uint32_t at = s->touching[i];
+        if (r.whole || goes_on(s, corner / 3, at)) {
+            asdic_vec3 normal = asdic_surface_normal(s, at / 3);
+            sum = asdic_vec3_add(sum, asdic_vec3_scale(normal, corner_weight(wedge_at(s, p, at))));
         }
     }
     double length = asdic_vec3_length(sum);
-    return length > 0.0 ? asdic_vec3_scale(sum, 1.0 / length) : asdic_surface_normal(s, corner / 3);
+    if (!(length > 0.0)) {
+        return asdic_surface_normal(s, corner / 3);
+    }
+    sum = asdic_vec3_scale(sum, 1.0 / length);
+    return bends_one_way(s, r, corner, sum, &across) ? strip_normal(s, r, corner, sum, across)
+                                                     : sum;
 }
 
 /* The normal at CORNER, nearer to one that makes the same angle with every edge there as the normal BEFORE at the edge's
@@ -187,11 +249,8 @@ static asdic_vec3 mean_normal(const asdic_surface *s, ring r, const asdic_vec3 *
  * the mean errs in the second if facets are uneven. Half the way is made, so that neighbours that move together settle. */
 static asdic_vec3 turned_normal(const asdic_surface *s, ring r, const asdic_vec3 *before,
                                 uint32_t corner) {
-    asdic_vec3 n = before[corner], p = asdic_surface_corner(s, corner);
-    asdic_vec3 axis = fabs(n.x) < 0.6 ? (asdic_vec3){1, 0, 0} : (asdic_vec3){0, 1, 0};
-    asdic_vec3 u = asdic_vec3_cross(n, axis);
-    u = asdic_vec3_scale(u, 1.0 / asdic_vec3_length(u));
-    asdic_vec3 v = asdic_vec3_cross(n, u);
+    asdic_vec3 n = before[corner], p = asdic_surface_corner(s, corner), u, v;
+    axes_across(n, &u, &v);
     double uu = 0.0, uv = 0.0, vv = 0.0, ru = 0.0, rv = 0.0;
     for (uint32_t i = r.first; i < r.end; i++) {
         uint32_t at = s->touching[i], facet = 3 * (at / 3);
@@ -220,6 +279,10 @@ static asdic_vec3 turned_normal(const asdic_surface *s, ring r, const asdic_vec3
     return asdic_vec3_scale(n, 1.0 / asdic_vec3_length(n));
 }
 
+static bool is_level(const asdic_patch *patch) {
+    return asdic_vec3_dot(patch->normal, patch->normal) > 0.0;
+}
+
 typedef asdic_vec3 corner_rule(const asdic_surface *s, ring r, const asdic_vec3 *before,
                                uint32_t corner);
 
@@ -233,7 +296,12 @@ static void find_normals(const asdic_surface *s, corner_rule *rule, const asdic_
         ring r = ring_of(s, vertex);
         for (uint32_t i = s->first[vertex]; i < s->first[vertex + 1]; i++) {
             uint32_t corner = s->touching[i];
-            normals[corner] = r.first == r.end         ? asdic_surface_normal(s, corner / 3)
+            if (s->vertex[corner] != vertex) {
+                continue; /* an open edge goes past */
+            }
+            const asdic_patch *patch = &s->patches[s->patch[corner / 3]];
+            normals[corner] = is_level(patch)          ? patch->normal
+                              : r.first == r.end       ? asdic_surface_normal(s, corner / 3)
                               : r.whole && i > r.first ? normals[s->touching[r.first]]
                                                        : rule(s, r, before, corner);
         }
@@ -260,8 +328,9 @@ static void smooth_facet(const asdic_surface *s, uint32_t facet, const asdic_vec
                          asdic_vec3 *turned) {
     dev_triangle *t = &s->facets[facet];
     const asdic_patch *patch = &s->patches[s->patch[facet]];
+    bool level = is_level(patch);
     t->flat_m2 = (float)patch->area_m2;
-    if (!is_bent(s, facet)) {
+    if (!level && !is_bent(s, facet)) {
         return;
     }
     for (int k = 0; k < 3; k++) {
@@ -271,7 +340,7 @@ static void smooth_facet(const asdic_surface *s, uint32_t facet, const asdic_vec
             turned[3 * (size_t)facet + k] = own;
         }
     }
-    t->flat_m2 = (float)patch->length2_m2;
+    t->flat_m2 = (float)(level ? patch->area_m2 : patch->length2_m2);
 }
 
 /* Room for the normals of a part that moves; NULL for one that stays. */

@@ -295,49 +295,126 @@ static asdic_mesh *uneven_tube(uint32_t strips, uint32_t pieces, bool loose, dou
     return mesh;
 }
 
+/* The same of strips that are each cut at heights of their own: their vertices lie on the next ones' edges. */
+static asdic_mesh *tube_cut_apart(uint32_t strips, uint32_t pieces, double share) {
+    uint32_t rows = 2 * (pieces + 1), vertices = strips * rows, facets = 0;
+    double *v = malloc(3 * (vertices + 2) * sizeof *v);
+    uint32_t *f = malloc(6 * strips * (pieces + 1) * sizeof *f);
+    assert_true(v && f);
+    for (uint32_t i = 0; i < vertices; i++) {
+        uint32_t row = i % rows / 2, strip = (i / rows + i % 2) % strips;
+        double angle = 2.0 * PI * (strip + share * jitter(strip)) / strips;
+        bool inner = row > 0 && row < pieces;
+        v[3 * i] = 0.25 * cos(angle);
+        v[3 * i + 1] = 0.25 * sin(angle);
+        v[3 * i + 2] = (row + (inner ? share * jitter(i / 2 + 7919) : 0.0)) / pieces;
+    }
+    const double middles[] = {0.0, 0.0, 0.0, 0.0, 0.0, 1.0};
+    memcpy(v + 3 * vertices, middles, sizeof middles);
+    for (uint32_t strip = 0; strip < strips; strip++) {
+        uint32_t low = strip * rows, high = low + rows - 2;
+        const uint32_t caps[] = {low + 1, low, vertices, high, high + 1, vertices + 1};
+        memcpy(f + 3 * facets, caps, sizeof caps);
+        facets += 2;
+        for (uint32_t i = low; i < high; i += 2, facets += 2) {
+            const uint32_t two[] = {i, i + 1, i + 2, i + 1, i + 3, i + 2};
+            memcpy(f + 3 * facets, two, sizeof two);
+        }
+    }
+    asdic_mesh *mesh;
+    assert_ok(ctx, asdic_mesh_from_triangles(ctx, v, vertices + 2, f, facets, &mesh));
+    free(v);
+    free(f);
+    return mesh;
+}
+
 /* What a tube returns broadside is that of its length in phase while its normals keep to the plane across. */
+static void assert_tube(asdic_mesh *mesh, const char *name, uint32_t strips, double share,
+                        double rms_rad) {
+    asdic_pose upright = {.position_m = {40.0, 0.0, 12.0}};
+    asdic_scene *scene = scene_of(mesh, upright, asdic_material_facet(45.0, 0.0, 0.0));
+    double sum = 0.0, sides = 0.0, straight = 0.0, most = 0.0;
+    for (size_t k = 0; k < scene->triangle_count; k++) {
+        const dev_triangle *t = &scene->triangles[k];
+        if (fabsf(t->normal[2]) > 0.9f) {
+            assert_int_equal(t->corner_normals[0], DEV_FLAT);
+            continue;
+        }
+        assert_int_not_equal(t->corner_normals[0], DEV_FLAT);
+        for (int c = 0; c < 3; c++) {
+            float p[3];
+            point_at(t, c == 1, c == 2, p);
+            double x = p[0] + scene->origin_m.x - 40.0, y = p[1] + scene->origin_m.y;
+            most = fmax(most, off_rad(t, p, (asdic_vec3){x, y, 0.0}));
+            double along = smooth_unpack(t->corner_normals[c]).z;
+            sum += along * along / 3.0;
+        }
+        sides++;
+        straight += t->radius_m == 0.0f && fabs(t->flat_m2 - 1.0) < 0.1;
+    }
+    print_message(
+        "%u strips %s: off the radial %.4f rad, along %.5f r.m.s., %.3f of it straight along "
+        "1 m\n",
+        strips, name, most, sqrt(sum / sides), straight / sides);
+    assert_true(most < share * 2.0 * PI / strips);
+    assert_true(sqrt(sum / sides) < rms_rad);
+    assert_true(straight == sides);
+    asdic_scene_destroy(&scene);
+}
+
 static void uneven_tubes_are_round_and_straight(void **state) {
     (void)state;
-    static const struct {
-        uint32_t strips, pieces;
-        bool loose;
-        double share, rms_rad;
-    } tubes[] = {{24, 3, false, 0.95, 1e-4},
-                 {32, 6, false, 0.95, 1e-4},
-                 {48, 24, true, 0.4, 1.5e-3},
-                 {96, 48, true, 0.4, 0.7e-3}};
-    for (int i = 0; i < 4; i++) {
-        asdic_pose upright = {.position_m = {40.0, 0.0, 12.0}};
-        asdic_scene *scene =
-            scene_of(uneven_tube(tubes[i].strips, tubes[i].pieces, tubes[i].loose, tubes[i].share),
-                     upright, asdic_material_facet(45.0, 0.0, 0.0));
-        double sum = 0.0, sides = 0.0, straight = 0.0, most = 0.0;
-        for (size_t k = 0; k < scene->triangle_count; k++) {
-            const dev_triangle *t = &scene->triangles[k];
-            if (fabsf(t->normal[2]) > 0.9f) {
-                assert_int_equal(t->corner_normals[0], DEV_FLAT);
-                continue;
-            }
-            assert_int_not_equal(t->corner_normals[0], DEV_FLAT);
-            for (int c = 0; c < 3; c++) {
-                float p[3];
-                point_at(t, c == 1, c == 2, p);
-                double x = p[0] + scene->origin_m.x - 40.0, y = p[1] + scene->origin_m.y;
-                most = fmax(most, off_rad(t, p, (asdic_vec3){x, y, 0.0}));
-                double along = smooth_unpack(t->corner_normals[c]).z;
-                sum += along * along / 3.0;
-            }
-            sides++;
-            straight += t->radius_m == 0.0f && fabs(t->flat_m2 - 1.0) < 0.1;
+    assert_tube(uneven_tube(24, 3, false, 0.95), "in 3", 24, 0.15, 1e-4);
+    assert_tube(uneven_tube(32, 6, false, 0.95), "in 6", 32, 0.15, 1e-4);
+    assert_tube(uneven_tube(48, 24, true, 0.4), "loose in 24", 48, 0.15, 1.5e-3);
+    assert_tube(uneven_tube(96, 48, true, 0.4), "loose in 48", 96, 0.15, 0.7e-3);
+}
+
+/* No edge is common to two strips. */
+static void a_tube_of_strips_cut_apart_is_round_and_straight(void **state) {
+    (void)state;
+    assert_tube(tube_cut_apart(24, 4, 0.5), "apart in 4", 24, 0.01, 1e-4);
+    assert_tube(tube_cut_apart(32, 6, 0.8), "apart in 6", 32, 0.01, 1e-4);
+}
+
+/* A file that gives tenths of millimetres: facets of a flat plate lean by hundredths of a radian. */
+static void a_plate_of_rounded_coordinates_is_flat(void **state) {
+    (void)state;
+    enum { LONG = 40, WIDE = 20, VERTICES = (LONG + 1) * (WIDE + 1) };
+    double v[3 * VERTICES];
+    uint32_t f[6 * LONG * WIDE], facets = 0;
+    for (uint32_t i = 0; i < VERTICES; i++) {
+        uint32_t column = i / (WIDE + 1), row = i % (WIDE + 1);
+        bool inner = column > 0 && column < LONG && row > 0 && row < WIDE;
+        double x = (column + (inner ? 0.5 * jitter(i) : 0.0)) / LONG;
+        double y = (row + (inner ? 0.5 * jitter(i + 7919) : 0.0)) / WIDE * 0.5;
+        double turned[] = {0.955 * x - 0.296 * y, 0.8 * (0.296 * x + 0.955 * y),
+                           0.6 * (0.296 * x + 0.955 * y)};
+        for (int k = 0; k < 3; k++) {
+            v[3 * i + k] = round(1e4 * turned[k]) / 1e4;
         }
-        print_message("%u strips in %u: off the radial %.4f rad, along %.5f r.m.s., %.3f of it "
-                      "straight along 1 m\n",
-                      tubes[i].strips, tubes[i].pieces, most, sqrt(sum / sides), straight / sides);
-        assert_true(most < 0.15 * 2.0 * PI / tubes[i].strips);
-        assert_true(sqrt(sum / sides) < tubes[i].rms_rad);
-        assert_true(straight == sides);
-        asdic_scene_destroy(&scene);
+        if (column < LONG && row < WIDE) {
+            const uint32_t two[] = {i, i + WIDE + 1, i + WIDE + 2, i, i + WIDE + 2, i + 1};
+            memcpy(f + 3 * facets, two, sizeof two);
+            facets += 2;
+        }
     }
+    asdic_mesh *mesh;
+    assert_ok(ctx, asdic_mesh_from_triangles(ctx, v, VERTICES, f, facets, &mesh));
+    asdic_scene *scene = scene_of(mesh, (asdic_pose){.position_m = {0.0, 0.0, 12.0}},
+                                  asdic_material_facet(45.0, 0.0, 0.0));
+    double most = 0.0;
+    for (size_t i = 0; i < scene->triangle_count; i++) {
+        const dev_triangle *t = &scene->triangles[i];
+        float p[3];
+        point_at(t, 0.3, 0.3, p);
+        most = fmax(most, off_rad(t, p, (asdic_vec3){0.0, -0.6, 0.8}));
+        assert_close_relative(t->flat_m2, 0.5 * (0.955 * 0.955 + 0.296 * 0.296), 1e-3);
+        assert_true(t->radius_m == 0.0f);
+    }
+    print_message("normals off by %.5f rad\n", most);
+    assert_true(most < 2e-4);
+    asdic_scene_destroy(&scene);
 }
 
 /* Strips of 1 m that turn by so much from one to the next, each in CUTS along its width. */
@@ -471,6 +548,8 @@ int main(void) {
         cmocka_unit_test(a_cylinder_is_straight_one_way),
         cmocka_unit_test(fine_strips_leave_a_capped_cylinder_round),
         cmocka_unit_test(uneven_tubes_are_round_and_straight),
+        cmocka_unit_test(a_tube_of_strips_cut_apart_is_round_and_straight),
+        cmocka_unit_test(a_plate_of_rounded_coordinates_is_flat),
         cmocka_unit_test(an_edge_leaves_its_face_flat),
         cmocka_unit_test(facets_wound_either_way_are_one_body),
         cmocka_unit_test(other_laws_stay_flat),
