@@ -26,6 +26,9 @@
 #define SOME_FACETS 1.5
 /* Normals differ one way alone where the variance the other way is a smaller share. */
 #define ONE_WAY 1e-6
+/* Vertices off the surface, as marching cubes leave them, would turn a normal by a larger share of what those around
+ * differ from it, r.m.s. */
+#define MOST_TURN 0.35
 /* What lies ahead over a bevel goes on turning about its edge; the cap of a round body's end, beside fine strips, has
  * its normal along that, with this cosine or more. */
 #define ASIDE 0.5
@@ -246,17 +249,20 @@ static asdic_vec3 mean_normal(const asdic_surface *s, ring r, const asdic_vec3 *
 /* The normal at CORNER, nearer to one that makes the same angle with every edge there as the normal BEFORE at the edge's
  * other end: (n + n') e = 0 (where A. Vlachos et al., "Curved PN triangles", I3D 2001, bend no normal beyond the mean of
  * both). Chords of balls and of round cylinders do so, those of other surfaces to the third order of their length, where
- * the mean errs in the second if facets are uneven. Half the way is made, so that neighbours that move together settle. */
+ * the mean errs in the second if facets are uneven. Half the way is made, so that neighbours that move together settle;
+ * none where that would be a long one. */
 static asdic_vec3 turned_normal(const asdic_surface *s, ring r, const asdic_vec3 *before,
                                 uint32_t corner) {
     asdic_vec3 n = before[corner], p = asdic_surface_corner(s, corner), u, v;
     axes_across(n, &u, &v);
-    double uu = 0.0, uv = 0.0, vv = 0.0, ru = 0.0, rv = 0.0;
+    double uu = 0.0, uv = 0.0, vv = 0.0, ru = 0.0, rv = 0.0, spread = 0.0, count = 0.0;
     for (uint32_t i = r.first; i < r.end; i++) {
         uint32_t at = s->touching[i], facet = 3 * (at / 3);
         if (!r.whole && !goes_on(s, corner / 3, at)) {
             continue;
         }
+        spread += 2.0 - 2.0 * asdic_vec3_dot(n, asdic_surface_normal(s, at / 3));
+        count++;
         for (uint32_t k = 1; k < 3; k++) {
             uint32_t far = facet + (at + k) % 3;
             asdic_vec3 e = asdic_vec3_sub(asdic_surface_corner(s, far), p);
@@ -275,6 +281,9 @@ static asdic_vec3 turned_normal(const asdic_surface *s, ring r, const asdic_vec3
         return n;
     }
     double tu = ((vv + hold) * ru - uv * rv) / det, tv = ((uu + hold) * rv - uv * ru) / det;
+    if ((tu * tu + tv * tv) * count > MOST_TURN * MOST_TURN * spread) {
+        return n;
+    }
     n = asdic_vec3_sub(n, asdic_vec3_add(asdic_vec3_scale(u, tu), asdic_vec3_scale(v, tv)));
     return asdic_vec3_scale(n, 1.0 / asdic_vec3_length(n));
 }
