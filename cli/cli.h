@@ -94,6 +94,8 @@ size_t cli_operand_count(const cli *c);
 const char *cli_operand(const cli *c, size_t index); /* NULL beyond the last */
 
 bool cli_given(const cli *c, const char *option);
+/* --force and --resume, of which one excludes the other. */
+void cli_mode(cli *c, bool *force, bool *resume);
 const char *cli_text(const cli *c, const char *option); /* NULL when not given */
 void cli_number(cli *c, const char *option, double low, double high, double *out);
 /* A whole number at TEXT that ends at *END; false where there is none, or one beyond 64 bits. */

@@ -28,8 +28,7 @@ static bool read_options(cli *c, asdic_dataset_options *o, uint64_t *shard, uint
     cli_number(c, "radius", 16.0, 8192.0, &o->radius_px);
     cli_number_range(c, "range-db", -300.0, 400.0, &o->low_db, &o->high_db);
     cli_share(c, "shard", shard, shards);
-    o->force = cli_given(c, "force");
-    o->resume = cli_given(c, "resume");
+    cli_mode(c, &o->force, &o->resume);
     o->frames = frames;
     o->first = (size_t)(frames * (*shard - 1) / *shards);
     o->end = (size_t)(frames * *shard / *shards);

@@ -49,8 +49,7 @@ static bool read_request(cli *c, request *r) {
     cli_share(c, "shard", &r->shard, &r->shards);
     r->folder = cli_text(c, "output");
     r->folder = r->folder && cli_is_stdout(r->folder) ? "-" : r->folder;
-    r->force = cli_given(c, "force");
-    r->resume = cli_given(c, "resume");
+    cli_mode(c, &r->force, &r->resume);
     r->has_rays = cli_given(c, "rays");
     r->has_sampler = cli_given(c, "sampler");
     r->has_seed = cli_given(c, "seed");

@@ -79,8 +79,7 @@ static bool read_request(cli *c, request *r) {
     cli_number(c, "rule-timeout", 0.01, 86400.0, &r->timeout_s);
     o->scene = cli_operand(c, 0);
     o->rays = (uint32_t)rays;
-    o->force = cli_given(c, "force");
-    o->resume = cli_given(c, "resume");
+    cli_mode(c, &o->force, &o->resume);
     o->folder = cli_text(c, "output");
     if (cli_bad_usage(c) ||
         !cli_vary(c, ASDIC_TRIAL_MOST_VARIANTS, &r->key, r->values, &o->variants.count)) {

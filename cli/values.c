@@ -34,6 +34,14 @@ bool cli_given(const cli *c, const char *option) {
     return cli_text(c, option) != NULL;
 }
 
+void cli_mode(cli *c, bool *force, bool *resume) {
+    *force = cli_given(c, "force");
+    *resume = cli_given(c, "resume");
+    if (*force && *resume) {
+        cli_usage(c, "--force starts afresh and --resume goes on; give one of them");
+    }
+}
+
 bool cli_bad_usage(const cli *c) {
     return c->bad_usage;
 }
