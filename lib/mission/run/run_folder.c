@@ -115,7 +115,6 @@ static asdic_status open_folder(asdic_context *ctx, const char *folder, DIR **ou
     return *out ? ASDIC_OK : fail_open(ctx, folder);
 }
 
-/* On NFS a folder has no lock, but the file of the records has. */
 asdic_status asdic_folder_check_mode(asdic_context *ctx, bool force, bool resume) {
     return force && resume
                ? asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
@@ -136,6 +135,7 @@ asdic_status asdic_folder_check_parts(asdic_context *ctx, const char *function,
                             "%s: parts to join and a folder to join them in are needed", function);
 }
 
+/* On NFS a folder has no lock, but the file of the records has. */
 asdic_status asdic_folder_hold(asdic_context *ctx, const char *folder, DIR **out) {
     bool is_busy = false, is_there = false;
     while (!is_there) {
