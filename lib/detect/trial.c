@@ -172,24 +172,29 @@ static asdic_estimate rare_of(const asdic_background *b, double threshold_lin,
         beta = fmax((sqrt(apart * apart + m * b->shape * threshold) - apart) / b->shape, 1.0);
     }
     double theta = fmax(threshold / ((1.0 - share) * beta + share), 1.0);
+    /* Of a draw at the means; weights are kept relative to it, since cubes of 1e-109 are none. */
+    double log_scale = m * (log(theta) - theta + 1.0);
+    if (has_texture) {
+        log_scale += b->shape * (log(beta) - beta + 1.0);
+    }
     double sum = 0.0, squares = 0.0, cubes = 0.0;
     for (uint64_t i = 0; i < trials; i++) {
         asdic_rare_draw draw = draws ? draws[i] : asdic_rare_draw_one(b, seed, i);
-        double g = theta * draw.speckle, mean = 1.0;
-        double log_weight = m * log(theta) - g * (1.0 - 1.0 / theta);
+        double log_weight = (m - draw.speckle) * (theta - 1.0), mean = 1.0;
         if (has_texture) {
-            double t = beta * draw.texture;
-            log_weight += b->shape * log(beta) - t * (1.0 - 1.0 / beta);
-            mean = (1.0 - share) * t / b->shape + share;
+            log_weight += (b->shape - draw.texture) * (beta - 1.0);
+            mean = (1.0 - share) * beta * draw.texture / b->shape + share;
         }
-        if (mean * g / m > threshold) {
+        if (mean * theta * draw.speckle / m > threshold) {
             double weight = exp(log_weight);
             sum += weight;
             squares += weight * weight;
             cubes += weight * weight * weight;
         }
     }
-    return skewed_of(sum, squares, cubes, (double)trials);
+    asdic_estimate e = skewed_of(sum, squares, cubes, (double)trials);
+    double scale = sum > 0.0 ? exp(log_scale) : 0.0; /* nothing is above INFINITY */
+    return (asdic_estimate){scale * e.value, scale * e.low, scale * e.high};
 }
 
 asdic_estimate asdic_rare_estimate(const asdic_background *b, double threshold_lin,

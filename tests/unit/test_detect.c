@@ -53,6 +53,20 @@ static void rare_false_alarms(void **state) {
     }
 }
 
+/* As rare as numbers go, and rarer: exp(-threshold) of one look. */
+static void the_rarest_have_bounds(void **state) {
+    (void)state;
+    const asdic_background one_look = {1.0, 1, INFINITY, 0.0};
+    for (double threshold = 240.0; threshold < 710.0; threshold += 10.0) {
+        asdic_estimate e = asdic_detect_simulate_rare(&one_look, threshold, 10000, 7);
+        assert_inside("rarest P_FA", exp(-threshold), e);
+        assert_true(e.low > 0.0 && e.high < 10.0 * e.low);
+    }
+    asdic_estimate none = asdic_detect_simulate_rare(&one_look, INFINITY, 100, 7);
+    assert_close(none.value, 0.0, 0.0);
+    assert_close(none.high, 0.0, 0.0);
+}
+
 /* Bounds of few trials hold what they should, though most weights are 0 and few are large. Symmetrical bounds did in 123
  * to 195 of 200, of 30 looks in the fewest, where draws were not round the largest part of the tail. */
 static void few_trials_have_bounds(void **state) {
@@ -246,6 +260,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(false_alarms_are_as_designed),
         cmocka_unit_test(rare_false_alarms),
+        cmocka_unit_test(the_rarest_have_bounds),
         cmocka_unit_test(few_trials_have_bounds),
         cmocka_unit_test(detections_are_as_predicted),
         cmocka_unit_test(likelihood_is_the_densities_ratio),
