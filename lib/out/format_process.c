@@ -134,10 +134,10 @@ static asdic_status start(process *p, const asdic_format *format, const asdic_fo
     p->pid = fork();
     if (p->pid == 0) {
         p->socket = sockets[1];
+        close(sockets[0]); /* by it the caller's end shows; it may be one of the first three */
         close_others(p->socket);
         serve(p, format, about);
-        _exit(
-            0); /* the caller's buffers and the library's remains are not for this process to flush */
+        _exit(0); /* buffers of the caller's and the library's are not for this process to flush */
     }
     int error = errno;
     pthread_sigmask(SIG_SETMASK, &before, NULL);

@@ -13,11 +13,13 @@
 #include <errno.h>
 #include <math.h>
 #include <netcdf.h>
+#include <poll.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #define DEGREE (180.0 / ASDIC_PI)
@@ -575,6 +577,35 @@ static void room_may_end_anywhere(void **state) {
     assert_int_equal(unlink(name), 0);
 }
 
+/* The process that writes ends with its caller, also with one that closed the first three files: sockets are 1 and 2
+ * then, and the pipe at 0, which nobody else has, comes to its end. */
+static void who_writes_ends_with_the_caller(void **state) {
+    (void)state;
+    int ends[2], how = -1;
+    char part[80], byte;
+    assert_int_equal(pipe(ends), 0);
+    pid_t caller = fork();
+    if (caller == 0) {
+        asdic_format_about about = about_of(PINGS, BINS);
+        void *file = NULL;
+        dup2(ends[1], STDIN_FILENO);
+        close(ends[0]);
+        close(ends[1]);
+        close(STDOUT_FILENO);
+        close(STDERR_FILENO);
+        _exit(asdic_format_netcdf.open(ctx, name, &about, &file));
+    }
+    close(ends[1]);
+    assert_int_equal(waitpid(caller, &how, 0), caller);
+    assert_int_equal(how, 0);
+    struct pollfd end = {.fd = ends[0], .events = POLLIN};
+    assert_int_equal(poll(&end, 1, 10000), 1);
+    assert_int_equal(read(ends[0], &byte, 1), 0);
+    close(ends[0]);
+    snprintf(part, sizeof part, "%s.part", name);
+    assert_int_equal(unlink(part), 0);
+}
+
 /* The first failure is kept, and nothing after it succeeds. */
 static void the_first_failure_is_kept(void **state) {
     (void)state;
@@ -684,6 +715,7 @@ int main(void) {
         cmocka_unit_test(pings_lie_in_several_chunks),
         cmocka_unit_test(what_is_discarded_leaves_nothing),
         cmocka_unit_test(room_may_end_anywhere),
+        cmocka_unit_test(who_writes_ends_with_the_caller),
         cmocka_unit_test(the_first_failure_is_kept),
         cmocka_unit_test(what_fails_at_its_end_leaves_nothing),
         cmocka_unit_test(what_cannot_begin_says_why),
