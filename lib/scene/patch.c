@@ -12,9 +12,9 @@
 /* Facets are coplanar when their normals agree to this, and their planes to this much of the
  * part's extent. */
 #define SAME_PLANE 1e-3
-/* What lies between edges and is no thicker than this share of its extent is one face: it bends with a radius of 300
- * extents at least, and is in phase up to wavelengths of a 300th. */
-#define LEVEL 4e-4
+/* What lies between edges and is no thicker than this share of its breadth is one face: it bends with a radius of 180
+ * breadths at least. */
+#define LEVEL 7e-4
 #define NO_PATCH UINT32_MAX
 #define NO_FACET UINT32_MAX
 
@@ -213,34 +213,34 @@ static void grow_patch(asdic_surface *s, uint32_t seed, uint32_t number, double 
     s->patches[number] = patch_of(&m);
 }
 
-/* Whether the facets of QUEUE are of several patches and all lie in one plane, whose NORMAL follows. */
+/* Whether the facets of QUEUE are of several patches and all lie in one plane; FACE then is theirs together. */
 static bool is_level(const asdic_surface *s, const uint32_t *queue, size_t count,
-                     asdic_vec3 *normal) {
+                     asdic_patch *face) {
     asdic_vec3 sum = {0.0, 0.0, 0.0};
     bool several = false;
+    moments m = moments_at(s, queue[0]);
     for (size_t i = 0; i < count; i++) {
         double area_m2 = asdic_surface_area(s, queue[i]);
         sum = asdic_vec3_add(sum, asdic_vec3_scale(asdic_surface_normal(s, queue[i]), area_m2));
         several |= s->patch[queue[i]] != s->patch[queue[0]];
+        moments_add(&m, s, queue[i]);
     }
     double length = asdic_vec3_length(sum);
     if (!several || !(length > 0.0)) {
         return false;
     }
-    *normal = asdic_vec3_scale(sum, 1.0 / length);
-    asdic_vec3 origin = asdic_surface_corner(s, 3 * (size_t)queue[0]);
-    double low = 0.0, high = 0.0, extent2 = 0.0;
+    *face = patch_of(&m);
+    face->normal = asdic_vec3_scale(sum, 1.0 / length);
+    double low = 0.0, high = 0.0;
     for (size_t i = 0; i < count; i++) {
         for (size_t k = 0; k < 3; k++) {
-            asdic_vec3 p =
-                asdic_vec3_sub(asdic_surface_corner(s, 3 * (size_t)queue[i] + k), origin);
-            double above = asdic_vec3_dot(*normal, p);
+            asdic_vec3 p = asdic_surface_corner(s, 3 * (size_t)queue[i] + k);
+            double above = asdic_vec3_dot(face->normal, asdic_vec3_sub(p, m.origin));
             low = fmin(low, above);
             high = fmax(high, above);
-            extent2 = fmax(extent2, asdic_vec3_dot(p, p));
         }
     }
-    return high - low <= LEVEL * sqrt(extent2);
+    return high - low <= LEVEL * sqrt(face->breadth2_m2);
 }
 
 /* Makes what lies between edges and is nearly in a plane one patch. QUEUE has room for all facets; DONE has false for each,
@@ -272,15 +272,12 @@ static void level_faces(asdic_surface *s, uint32_t *queue, bool *done, bool *spe
                 spent[vertex] |= all;
             }
         }
-        asdic_vec3 normal;
-        if (tail > 1 && is_level(s, queue, tail, &normal)) {
-            moments m = moments_at(s, seed);
+        asdic_patch face;
+        if (tail > 1 && is_level(s, queue, tail, &face)) {
+            s->patches[s->patch[seed]] = face;
             for (size_t i = 0; i < tail; i++) {
-                moments_add(&m, s, queue[i]);
                 s->patch[queue[i]] = s->patch[seed];
             }
-            s->patches[s->patch[seed]] = patch_of(&m);
-            s->patches[s->patch[seed]].normal = normal;
         }
     }
 }

@@ -417,6 +417,47 @@ static void a_plate_of_rounded_coordinates_is_flat(void **state) {
     asdic_scene_destroy(&scene);
 }
 
+/* Open strips of 10 m round an axis: a line, thinner than a thousandth of its length, a slat. */
+static void what_is_long_and_thin_stays_round(void **state) {
+    (void)state;
+    static const struct {
+        const char *name;
+        double radius_m, turn_rad;
+        uint32_t strips;
+    } shapes[] = {{"line", 0.0015, 2.0 * PI, 16}, {"slat", 0.417, 0.24, 8}};
+    for (int k = 0; k < 2; k++) {
+        double v[6 * 17];
+        uint32_t f[6 * 16], strips = shapes[k].strips, count = k == 0 ? strips : strips + 1;
+        for (uint32_t i = 0; i < 2 * count; i++) {
+            double angle = shapes[k].turn_rad * (i / 2) / strips;
+            v[3 * i] = shapes[k].radius_m * cos(angle);
+            v[3 * i + 1] = shapes[k].radius_m * sin(angle);
+            v[3 * i + 2] = 10.0 * (i % 2);
+        }
+        for (uint32_t i = 0; i < strips; i++) {
+            uint32_t low = 2 * i, next = 2 * ((i + 1) % count);
+            const uint32_t two[] = {low, next, next + 1, low, next + 1, low + 1};
+            memcpy(f + 6 * i, two, sizeof two);
+        }
+        asdic_mesh *mesh;
+        assert_ok(ctx, asdic_mesh_from_triangles(ctx, v, 2 * count, f, 2 * strips, &mesh));
+        asdic_scene *scene =
+            scene_of(mesh, (asdic_pose){.yaw_rad = 0.0}, asdic_material_facet(45.0, 0.0, 0.0));
+        double most = 0.0;
+        for (uint32_t i = 0; i < 2 * strips; i++) {
+            const dev_triangle *t = &scene->triangles[i];
+            assert_int_not_equal(t->corner_normals[0], DEV_FLAT);
+            float p[3];
+            point_at(t, 1.0 / 3.0, 1.0 / 3.0, p);
+            double x = p[0] + scene->origin_m.x, y = p[1] + scene->origin_m.y;
+            most = fmax(most, off_rad(t, p, (asdic_vec3){x, y, 0.0}));
+        }
+        print_message("%s: normals off by %.4f rad\n", shapes[k].name, most);
+        assert_true(most < 0.4 * shapes[k].turn_rad / strips);
+        asdic_scene_destroy(&scene);
+    }
+}
+
 /* Strips of 1 m that turn by so much from one to the next, each in CUTS along its width. */
 static asdic_scene *folded(const double *lengths_m, const double *turns_rad, int strips, int cuts) {
     enum { MOST = 16 };
@@ -550,6 +591,7 @@ int main(void) {
         cmocka_unit_test(uneven_tubes_are_round_and_straight),
         cmocka_unit_test(a_tube_of_strips_cut_apart_is_round_and_straight),
         cmocka_unit_test(a_plate_of_rounded_coordinates_is_flat),
+        cmocka_unit_test(what_is_long_and_thin_stays_round),
         cmocka_unit_test(an_edge_leaves_its_face_flat),
         cmocka_unit_test(facets_wound_either_way_are_one_body),
         cmocka_unit_test(other_laws_stay_flat),
