@@ -51,7 +51,8 @@ static uint32_t touching_count(const asdic_surface *s, uint32_t vertex) {
     return s->first[vertex + 1] - s->first[vertex];
 }
 
-/* The facet beyond the edge from A to B of FACET, and which WAY it has that edge; none where several have it. */
+/* The facet beyond the edge from A to B of FACET, and which WAY it has that edge; none where several have it. WAY, 0
+ * before, stays so where none has it. */
 static uint32_t facet_beyond(const asdic_surface *s, uint32_t facet, uint32_t a, uint32_t b,
                              int *way) {
     uint32_t at = touching_count(s, a) <= touching_count(s, b) ? a : b, found = NO_FACET;
@@ -88,7 +89,7 @@ static void mark_rim(asdic_surface *s, uint32_t facet, int k, uint32_t other) {
 
 /* Facets that are wound alike have their common edge in opposite directions. Files may hold a body's facets wound
  * either way; from the first of each piece on the others follow. QUEUE has room for all. Marks rims on the way, and
- * lists the corners at which edges begin that no facet, or several, lie beyond, in OPEN; how many. */
+ * lists the corners at which edges begin that no facet lies beyond, in OPEN; how many. */
 static size_t find_sides(asdic_surface *s, uint32_t *queue, uint32_t *open) {
     size_t open_count = 0;
     memset(s->side, 0, s->count);
@@ -105,7 +106,8 @@ static size_t find_sides(asdic_surface *s, uint32_t *queue, uint32_t *open) {
                 int way = 0;
                 uint32_t other = facet_beyond(s, facet, v[k], v[(k + 1) % 3], &way);
                 if (other == NO_FACET) {
-                    open[open_count++] = 3 * facet + (uint32_t)k;
+                    open[open_count] = 3 * facet + (uint32_t)k;
+                    open_count += way == 0;
                     continue;
                 }
                 mark_rim(s, facet, k, other);
