@@ -15,6 +15,9 @@
 /* What lies between edges and is no thicker than this share of its breadth is one face: it bends with a radius of 180
  * breadths at least. */
 #define LEVEL 7e-4
+/* Neighbours' normals differ by this share of what any two facets' do, squared, at least, where what turns them is
+ * rounding; by far less where it is a wave or a bump of several facets. */
+#define UNLIKE 0.25
 #define NO_PATCH UINT32_MAX
 #define NO_FACET UINT32_MAX
 
@@ -215,6 +218,28 @@ static void grow_patch(asdic_surface *s, uint32_t seed, uint32_t number, double 
     s->patches[number] = patch_of(&m);
 }
 
+/* Whether the facets of QUEUE lean from N each by itself. */
+static bool leans_at_random(const asdic_surface *s, const uint32_t *queue, size_t count,
+                            asdic_vec3 n) {
+    double variance = 0.0, apart = 0.0, pairs = 0.0;
+    for (size_t i = 0; i < count; i++) {
+        const uint32_t *v = &s->vertex[3 * (size_t)queue[i]];
+        asdic_vec3 own = asdic_surface_normal(s, queue[i]), off = asdic_vec3_sub(own, n);
+        variance += asdic_vec3_dot(off, off) / (double)count;
+        for (int k = 0; k < 3; k++) {
+            int way = 0;
+            uint32_t other = facet_beyond(s, queue[i], v[k], v[(k + 1) % 3], &way);
+            asdic_vec3 next = other == NO_FACET ? own : asdic_surface_normal(s, other);
+            if (other != NO_FACET && asdic_vec3_dot(own, next) >= ASDIC_CREASE_COSINE) {
+                asdic_vec3 turn = asdic_vec3_sub(next, own);
+                apart += asdic_vec3_dot(turn, turn);
+                pairs++;
+            }
+        }
+    }
+    return apart >= UNLIKE * 2.0 * variance * pairs;
+}
+
 /* Whether the facets of QUEUE are of several patches and all lie in one plane; FACE then is theirs together. */
 static bool is_level(const asdic_surface *s, const uint32_t *queue, size_t count,
                      asdic_patch *face) {
@@ -242,7 +267,8 @@ static bool is_level(const asdic_surface *s, const uint32_t *queue, size_t count
             high = fmax(high, above);
         }
     }
-    return high - low <= LEVEL * sqrt(face->breadth2_m2);
+    return high - low <= LEVEL * sqrt(face->breadth2_m2) &&
+           leans_at_random(s, queue, count, face->normal);
 }
 
 /* Makes what lies between edges and is nearly in a plane one patch. QUEUE has room for all facets; DONE has false for each,

@@ -377,10 +377,10 @@ static void a_tube_of_strips_cut_apart_is_round_and_straight(void **state) {
     assert_tube(tube_cut_apart(32, 6, 0.8), "apart in 6", 32, 0.01, 1e-4);
 }
 
-/* A file that gives tenths of millimetres: facets of a flat plate lean by hundredths of a radian. */
-static void a_plate_of_rounded_coordinates_is_flat(void **state) {
-    (void)state;
-    enum { LONG = 40, WIDE = 20, VERTICES = (LONG + 1) * (WIDE + 1) };
+enum { LONG = 40, WIDE = 20, VERTICES = (LONG + 1) * (WIDE + 1) };
+
+/* A plate of 1 by 0.5 m, tilted, of uneven facets; waves of HEIGHT_M run along it, coordinates are whole STEPS_M. */
+static asdic_scene *plate(double height_m, double step_m) {
     double v[3 * VERTICES];
     uint32_t f[6 * LONG * WIDE], facets = 0;
     for (uint32_t i = 0; i < VERTICES; i++) {
@@ -388,10 +388,10 @@ static void a_plate_of_rounded_coordinates_is_flat(void **state) {
         bool inner = column > 0 && column < LONG && row > 0 && row < WIDE;
         double x = (column + (inner ? 0.5 * jitter(i) : 0.0)) / LONG;
         double y = (row + (inner ? 0.5 * jitter(i + 7919) : 0.0)) / WIDE * 0.5;
-        double turned[] = {0.955 * x - 0.296 * y, 0.8 * (0.296 * x + 0.955 * y),
-                           0.6 * (0.296 * x + 0.955 * y)};
+        double up = height_m * sin(2.0 * PI * 4.0 * x), across = 0.296 * x + 0.955 * y;
+        double turned[] = {0.955 * x - 0.296 * y, 0.8 * across - 0.6 * up, 0.6 * across + 0.8 * up};
         for (int k = 0; k < 3; k++) {
-            v[3 * i + k] = round(1e4 * turned[k]) / 1e4;
+            v[3 * i + k] = step_m * round(turned[k] / step_m);
         }
         if (column < LONG && row < WIDE) {
             const uint32_t two[] = {i, i + WIDE + 1, i + WIDE + 2, i, i + WIDE + 2, i + 1};
@@ -401,8 +401,14 @@ static void a_plate_of_rounded_coordinates_is_flat(void **state) {
     }
     asdic_mesh *mesh;
     assert_ok(ctx, asdic_mesh_from_triangles(ctx, v, VERTICES, f, facets, &mesh));
-    asdic_scene *scene = scene_of(mesh, (asdic_pose){.position_m = {0.0, 0.0, 12.0}},
-                                  asdic_material_facet(45.0, 0.0, 0.0));
+    return scene_of(mesh, (asdic_pose){.position_m = {0.0, 0.0, 12.0}},
+                    asdic_material_facet(45.0, 0.0, 0.0));
+}
+
+/* A file that gives tenths of millimetres: facets of a flat plate lean by hundredths of a radian. */
+static void a_plate_of_rounded_coordinates_is_flat(void **state) {
+    (void)state;
+    asdic_scene *scene = plate(0.0, 1e-4);
     double most = 0.0;
     for (size_t i = 0; i < scene->triangle_count; i++) {
         const dev_triangle *t = &scene->triangles[i];
@@ -414,6 +420,21 @@ static void a_plate_of_rounded_coordinates_is_flat(void **state) {
     }
     print_message("normals off by %.5f rad\n", most);
     assert_true(most < 2e-4);
+    asdic_scene_destroy(&scene);
+}
+
+/* Waves no higher than roundings are: facets beside one another lean alike. */
+static void a_plate_of_low_waves_is_not(void **state) {
+    (void)state;
+    asdic_scene *scene = plate(1e-4, 1e-9);
+    double most = 0.0;
+    for (size_t i = 0; i < scene->triangle_count; i++) {
+        float p[3];
+        point_at(&scene->triangles[i], 0.3, 0.3, p);
+        most = fmax(most, off_rad(&scene->triangles[i], p, (asdic_vec3){0.0, -0.6, 0.8}));
+    }
+    print_message("normals up to %.5f rad off\n", most);
+    assert_true(most > 0.8 * 2.0 * PI * 4.0 * 1e-4); /* they lean by that */
     asdic_scene_destroy(&scene);
 }
 
@@ -591,6 +612,7 @@ int main(void) {
         cmocka_unit_test(uneven_tubes_are_round_and_straight),
         cmocka_unit_test(a_tube_of_strips_cut_apart_is_round_and_straight),
         cmocka_unit_test(a_plate_of_rounded_coordinates_is_flat),
+        cmocka_unit_test(a_plate_of_low_waves_is_not),
         cmocka_unit_test(what_is_long_and_thin_stays_round),
         cmocka_unit_test(an_edge_leaves_its_face_flat),
         cmocka_unit_test(facets_wound_either_way_are_one_body),
