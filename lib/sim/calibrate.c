@@ -29,6 +29,7 @@
 #include "base/widest.h"
 #include "drift.h"
 #include "pulse.h"
+#include "ring.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -381,24 +382,26 @@ WIDEST static void add_alike(double level, double variance, const double *restri
     }
 }
 
-/* The VARIANCES of all receivers in bin N: ALIKE becomes the mean of those that hear a first echo as loud; negative: one
- * that hears none. SCRATCH: two rows. */
+/* The VARIANCES of all receivers in bin N: MEANS become those over receivers that hear a first echo as loud, but for
+ * their sensitivities; negative: one that hears none. SCRATCH: two rows. */
 static void share_first_echoes(const asdic_simulator *sim, size_t n, const double *variances,
-                               const calibration *c, double *scratch, double *alike) {
+                               const calibration *c, double *scratch, double *means) {
     size_t beams = sim->setup.sonar.receiver_count;
     double *levels = scratch, *counts = levels + beams;
     for (size_t b = 0; b < beams; b++) {
         bool is_first = is_ruled_by_first_echo(sim, c, b, n);
-        levels[b] = is_first ? c->mean[b * sim->setup.bins + n] : 0.0;
-        alike[b] = counts[b] = 0.0;
+        levels[b] = is_first ? c->mean[b * sim->setup.bins + n] /
+                                   asdic_beam_axis_lin(&sim->setup.sonar.receivers[b])
+                             : 0.0;
+        means[b] = counts[b] = 0.0;
     }
     for (size_t b = 0; b < beams; b++) {
         if (levels[b] > 0.0) {
-            add_alike(levels[b], variances[b], levels, beams, alike, counts);
+            add_alike(levels[b], variances[b], levels, beams, means, counts);
         }
     }
     for (size_t b = 0; b < beams; b++) {
-        alike[b] = counts[b] > 0.0 ? alike[b] / counts[b] : -1.0;
+        means[b] = counts[b] > 0.0 ? means[b] / counts[b] : -1.0;
     }
 }
 
@@ -407,21 +410,21 @@ static void share_first_echoes(const asdic_simulator *sim, size_t n, const doubl
 static void calibrate_bin(asdic_simulator *sim, size_t n, const calibration *c) {
     size_t beams = sim->setup.sonar.receiver_count, bins = sim->setup.bins;
     double *values = c->row, *known = values + beams + 1, *sums = known + beams + 1,
-           *counts = sums + beams + 1, *alike = counts + beams + 1;
+           *counts = sums + beams + 1, *means = counts + beams + 1;
     for (size_t b = 0; b < beams; b++) {
         double variance = beam_variance(sim, b, n, c);
         values[b] = fmax(variance, 0.0);
         known[b] = variance >= 0.0;
     }
-    share_first_echoes(sim, n, values, c, sums, alike); /* and counts */
+    share_first_echoes(sim, n, values, c, sums, means); /* and counts */
     add_up(values, beams, sums);
     add_up(known, beams, counts);
     for (size_t b = 0; b < beams; b++) {
         size_t low = c->alike[b].low, high = c->alike[b].high;
         double count = counts[high + 1] - counts[low];
         double mean = count > 0.0 ? (sums[high + 1] - sums[low]) / count : 0.0;
-        if (alike[b] >= 0.0) {
-            mean = 0.5 * (mean + fmin(alike[b], MOST_OF_ALIKE * mean));
+        if (means[b] >= 0.0) {
+            mean = 0.5 * (mean + fmin(means[b], MOST_OF_ALIKE * mean));
         }
         double shared = count > 0.0 ? mean / fmax(1.0 - mean / c->count, LEAST_KNOWN) : 1.0;
         double own = OWN_ERROR * fmax(cell_variance(c, b * bins + n), 0.0);
