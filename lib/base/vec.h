@@ -34,6 +34,14 @@ static inline double asdic_vec3_length(asdic_vec3 a) {
     return sqrt(asdic_vec3_dot(a, a));
 }
 
+/* Two unit vectors across the unit vector W, and each other. */
+static inline void asdic_vec3_across(asdic_vec3 w, asdic_vec3 axes[2]) {
+    asdic_vec3 up = fabs(w.z) < 0.9 ? (asdic_vec3){0.0, 0.0, 1.0} : (asdic_vec3){1.0, 0.0, 0.0};
+    asdic_vec3 u = asdic_vec3_cross(up, w);
+    axes[0] = asdic_vec3_scale(u, 1.0 / asdic_vec3_length(u));
+    axes[1] = asdic_vec3_cross(w, axes[0]);
+}
+
 /* Columns are the images of the axes: world = m * body. */
 typedef struct asdic_mat3 {
     double m[3][3]; /* row, column */

@@ -124,6 +124,12 @@ static size_t find_sides(asdic_surface *s, uint32_t *queue, uint32_t *open) {
     return open_count;
 }
 
+void asdic_surface_axes(asdic_vec3 n, asdic_vec3 *u, asdic_vec3 *v) {
+    *u = asdic_vec3_cross(n, fabs(n.x) < 0.6 ? (asdic_vec3){1, 0, 0} : (asdic_vec3){0, 1, 0});
+    *u = asdic_vec3_scale(*u, 1.0 / asdic_vec3_length(*u));
+    *v = asdic_vec3_cross(n, *u);
+}
+
 /* Second moments of a patch's area in its plane. */
 typedef struct moments {
     asdic_vec3 origin, u, v;
@@ -131,12 +137,9 @@ typedef struct moments {
 } moments;
 
 static moments moments_at(const asdic_surface *s, uint32_t facet) {
-    asdic_vec3 n = asdic_surface_normal(s, facet);
-    asdic_vec3 axis = fabs(n.x) < 0.6 ? (asdic_vec3){1, 0, 0} : (asdic_vec3){0, 1, 0};
-    asdic_vec3 u = asdic_vec3_cross(n, axis);
-    u = asdic_vec3_scale(u, 1.0 / asdic_vec3_length(u));
-    return (moments){
-        .origin = asdic_surface_corner(s, 3 * (size_t)facet), .u = u, .v = asdic_vec3_cross(n, u)};
+    moments m = {.origin = asdic_surface_corner(s, 3 * (size_t)facet)};
+    asdic_surface_axes(asdic_surface_normal(s, facet), &m.u, &m.v);
+    return m;
 }
 
 static void moments_add(moments *m, const asdic_surface *s, uint32_t facet) {

@@ -49,6 +49,9 @@ void asdic_surface_finish(asdic_surface *surface);
 /* How far it reaches along WAY, in its plane, times the length of WAY. */
 double asdic_patch_width(const asdic_patch *patch, asdic_vec3 way);
 
+/* Two unit vectors across the unit vector N, and each other. */
+void asdic_surface_axes(asdic_vec3 n, asdic_vec3 *u, asdic_vec3 *v);
+
 double asdic_surface_area(const asdic_surface *surface, uint32_t facet);
 
 static inline asdic_vec3 asdic_surface_corner(const asdic_surface *s, size_t corner) {

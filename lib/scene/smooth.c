@@ -178,19 +178,12 @@ static bool is_whole(const asdic_surface *s, ring r) {
     return true;
 }
 
-/* Two axes across N. */
-static void axes_across(asdic_vec3 n, asdic_vec3 *u, asdic_vec3 *v) {
-    *u = asdic_vec3_cross(n, fabs(n.x) < 0.6 ? (asdic_vec3){1, 0, 0} : (asdic_vec3){0, 1, 0});
-    *u = asdic_vec3_scale(*u, 1.0 / asdic_vec3_length(*u));
-    *v = asdic_vec3_cross(n, *u);
-}
-
 /* Whether the facets' normals at CORNER, about N, differ one way alone, ACROSS, as those of a tube's strips do. */
 static bool bends_one_way(const asdic_surface *s, ring r, uint32_t corner, asdic_vec3 n,
                           asdic_vec3 *across) {
     asdic_vec3 u, v;
     double uu = 0.0, uv = 0.0, vv = 0.0;
-    axes_across(n, &u, &v);
+    asdic_surface_axes(n, &u, &v);
     for (uint32_t i = r.first; i < r.end; i++) {
         if (r.whole || goes_on(s, corner / 3, s->touching[i])) {
             asdic_vec3 normal = asdic_surface_normal(s, s->touching[i] / 3);
@@ -254,7 +247,7 @@ static asdic_vec3 mean_normal(const asdic_surface *s, ring r, const asdic_vec3 *
 static asdic_vec3 turned_normal(const asdic_surface *s, ring r, const asdic_vec3 *before,
                                 uint32_t corner) {
     asdic_vec3 n = before[corner], p = asdic_surface_corner(s, corner), u, v;
-    axes_across(n, &u, &v);
+    asdic_surface_axes(n, &u, &v);
     double uu = 0.0, uv = 0.0, vv = 0.0, ru = 0.0, rv = 0.0, spread = 0.0, count = 0.0;
     for (uint32_t i = r.first; i < r.end; i++) {
         uint32_t at = s->touching[i], facet = 3 * (at / 3);

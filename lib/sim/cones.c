@@ -154,13 +154,10 @@ unsigned asdic_cones_pick(const asdic_part *parts, size_t part_count, asdic_vec3
     return count;
 }
 
-/* Any two axes across the direction. */
+/* Any two axes across the direction, and that. */
 static void fill_rows(asdic_vec3 w, float rows[9]) {
-    asdic_vec3 up = fabs(w.z) < 0.9 ? (asdic_vec3){0.0, 0.0, 1.0} : (asdic_vec3){1.0, 0.0, 0.0};
-    asdic_vec3 u = asdic_vec3_cross(up, w);
-    u = asdic_vec3_scale(u, 1.0 / asdic_vec3_length(u));
-    asdic_vec3 v = asdic_vec3_cross(w, u);
-    const asdic_vec3 axes[3] = {u, v, w};
+    asdic_vec3 axes[3] = {[2] = w};
+    asdic_vec3_across(w, axes);
     for (int i = 0; i < 3; i++) {
         rows[3 * i] = (float)axes[i].x;
         rows[3 * i + 1] = (float)axes[i].y;

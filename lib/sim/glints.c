@@ -51,13 +51,6 @@ static asdic_vec3 stepped(asdic_vec3 v, double step, asdic_vec3 d) {
     return asdic_vec3_add(v, asdic_vec3_scale(d, step));
 }
 
-/* Two axes across W, of unit length. */
-static void across(asdic_vec3 w, asdic_vec3 axes[2]) {
-    asdic_vec3 up = fabs(w.z) < 0.9 ? (asdic_vec3){0.0, 0.0, 1.0} : (asdic_vec3){1.0, 0.0, 0.0};
-    axes[0] = unit(asdic_vec3_cross(up, w));
-    axes[1] = asdic_vec3_cross(w, axes[0]);
-}
-
 /* ---- Rays over spots ---- */
 
 /* Where the ray from FROM along U meets the spot's osculating paraboloid, and the normal there; false: nowhere. */
@@ -141,7 +134,7 @@ typedef struct sighting {
 static bool vary(const asdic_glint *g, const asdic_part *parts, asdic_vec3 from, sighting *s,
                  asdic_vec3 axes[2]) {
     const double little = 1e-6;
-    across(s->u, axes);
+    asdic_vec3_across(s->u, axes);
     if (!pass(g, parts, from, s->u, &s->at)) {
         return false;
     }
@@ -270,7 +263,7 @@ static asdic_spot spot_of(const looking *l, const dev_triangle *t, asdic_vec3 at
     asdic_spot s = {.part = t->part,
                     .offset_m = asdic_vec3_sub(at, l->placement->parts[t->part].center_m),
                     .normal = asdic_vec3_scale(vec3_of(smooth_normal(t, p)), side)};
-    across(s.normal, s.axes);
+    asdic_vec3_across(s.normal, s.axes);
     if (t->corner_normals[0] != DEV_FLAT) {
         smooth_frame f = smooth_frame_of(t);
         asdic_vec3 turn[2];

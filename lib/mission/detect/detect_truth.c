@@ -41,7 +41,6 @@ typedef struct named {
     double point_m2;     /* target strength of a point */
     span triangles;      /* of a part */
     asdic_vec3 middle_m; /* of its pieces */
-    double reach_m;      /* of its triangles, from there */
     share *shares;       /* per bin */
     piece *pieces;
     size_t piece_count;
@@ -114,21 +113,6 @@ static asdic_vec3 place_in(const asdic_vec3 v[3], size_t index) {
                           asdic_vec3_add(a, asdic_vec3_scale(asdic_vec3_sub(v[2], v[0]), at[1])));
 }
 
-/* From its middle to the farthest corner of N's triangles. */
-static double reach_of(const asdic_scene *scene, const named *n) {
-    double reach_m = 0.0;
-    asdic_vec3 v[3], area;
-    for (size_t i = n->triangles.first; i < n->triangles.end; i++) {
-        if (scene->triangles[i].part == n->part) {
-            read_triangle(scene, i, v, &area);
-            for (int k = 0; k < 3; k++) {
-                reach_m = fmax(reach_m, asdic_vec3_length(asdic_vec3_sub(v[k], n->middle_m)));
-            }
-        }
-    }
-    return reach_m;
-}
-
 /* Fills the pieces of an object once for all pings: a point has one. */
 static asdic_status cut_object(const asdic_namer *namer, named *n) {
     const asdic_scene *scene = namer->mission->scene;
@@ -160,7 +144,6 @@ static asdic_status cut_object(const asdic_namer *namer, named *n) {
         asdic_vec3 part_m = asdic_vec3_scale(n->pieces[i].at_m, 1.0 / (double)n->piece_count);
         n->middle_m = asdic_vec3_add(n->middle_m, part_m);
     }
-    n->reach_m = reach_of(scene, n);
     return ASDIC_OK;
 }
 
@@ -182,12 +165,12 @@ static bool crosses(const asdic_vec3 v[3], asdic_vec3 a, asdic_vec3 b) {
     return at1 >= 0.0 && at2 >= 0.0 && at1 + at2 <= 1.0 && along > 0.0 && along < 1.0;
 }
 
-/* Whether the way from A to B comes as near to N's middle as its triangles reach. */
-static bool comes_near(const named *n, asdic_vec3 a, asdic_vec3 b) {
-    asdic_vec3 way = asdic_vec3_sub(b, a), to = asdic_vec3_sub(n->middle_m, a);
+/* Whether the way from A to B comes into the sphere about a part. */
+static bool comes_near(const asdic_part *part, asdic_vec3 a, asdic_vec3 b) {
+    asdic_vec3 way = asdic_vec3_sub(b, a), to = asdic_vec3_sub(part->center_m, a);
     double along = asdic_vec3_dot(to, way) / asdic_vec3_dot(way, way);
     asdic_vec3 nearest = asdic_vec3_scale(way, fmin(fmax(along, 0.0), 1.0));
-    return asdic_vec3_length(asdic_vec3_sub(to, nearest)) <= n->reach_m;
+    return asdic_vec3_length(asdic_vec3_sub(to, nearest)) <= part->radius_m;
 }
 
 /* Whether N, where it is at PING, lies between A and B. */
@@ -201,7 +184,8 @@ static bool lies_between(const asdic_namer *namer, const named *n, size_t ping, 
         a = asdic_move_point(&back, a);
         b = asdic_move_point(&back, b);
     }
-    size_t end = comes_near(n, a, b) ? n->triangles.end : n->triangles.first;
+    bool is_near = comes_near(&scene->parts[n->part], a, b);
+    size_t end = is_near ? n->triangles.end : n->triangles.first;
     for (size_t i = n->triangles.first; i < end; i++) {
         asdic_vec3 v[3], area;
         read_triangle(scene, i, v, &area);
