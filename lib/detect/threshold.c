@@ -11,6 +11,38 @@
 #define LEAST 1e-12
 #define MOST 1e12
 #define STEP 1.25
+/* ... of a threshold, relative. */
+#define PRECISION 1e-15
+
+/* ln of the intensity that B, of unit mean, exceeds with the probability e^LOG_PFA. Halves where the ends are too far
+ * apart for a probability, and where three chords did less; else along the chord, where an end that stays counts half
+ * (Dowell & Jarratt, BIT 11, 168 (1971)). */
+static double find_crossing(const asdic_background *b, double log_pfa) {
+    double low = log(LEAST), high = log(MOST), above = INFINITY, below = -INFINITY, last = NAN;
+    for (int slow = 0; high - low > PRECISION * fmax(fabs(low), 1.0);) {
+        double width = high - low, least = 0.25 * PRECISION * fmax(fabs(low), 1.0);
+        double at = 0.5 * (low + high);
+        if (isfinite(above) && isfinite(below) && slow < 3) {
+            at = fmin(fmax(low + width * above / (above - below), low + least), high - least);
+        }
+        if (at <= low || at >= high) {
+            break;
+        }
+        double excess = log(asdic_detect_pfa(b, exp(at))) - log_pfa;
+        if (excess > 0.0) {
+            below *= last > 0.0 ? 0.5 : 1.0;
+            low = at;
+            above = excess;
+        } else {
+            above *= last <= 0.0 ? 0.5 : 1.0;
+            high = at;
+            below = excess;
+        }
+        last = excess;
+        slow = high - low > 0.5 * width ? slow + 1 : 0;
+    }
+    return high;
+}
 
 asdic_status asdic_detect_threshold(asdic_context *ctx, const asdic_background *b, double pfa,
                                     double *threshold_lin) {
@@ -24,19 +56,8 @@ asdic_status asdic_detect_threshold(asdic_context *ctx, const asdic_background *
     }
     asdic_background unit = *b;
     unit.mean_lin = 1.0;
-    double low = log(LEAST), high = log(MOST);
-    while (high - low > 1e-15 * fmax(fabs(low), 1.0)) {
-        double middle = 0.5 * (low + high);
-        if (middle == low || middle == high) {
-            break;
-        }
-        if (asdic_detect_pfa(&unit, exp(middle)) > pfa) {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    *threshold_lin = pfa >= 1.0 ? 0.0 : b->mean_lin * exp(high);
+    double log_intensity = find_crossing(&unit, log(pfa));
+    *threshold_lin = pfa >= 1.0 ? 0.0 : b->mean_lin * exp(log_intensity);
     return ASDIC_OK;
 }
 
