@@ -27,7 +27,6 @@
 #define FIRST_DB (-12.0)
 #define STEP_DB 4.0
 #define STRENGTHS 16
-#define AT_ONCE ASDIC_LLRS_MOST /* of them in a row, when one is asked for */
 /* Echoes as strong re the background are explained elsewhere, so many at one range. */
 #define STRONG_LIN 30.0
 #define MOST_ECHOES 8
@@ -50,9 +49,10 @@ typedef struct reader {
     asdic_face transmitter;
     ear *ears;
     asdic_background law;
-    double rear_lin;   /* one-way gain behind a face */
-    double snr_lin;    /* of the weakest object looked for */
-    double *extra_lin; /* by beam: explained echoes, at the range in work */
+    asdic_k_table *k_table; /* of the law, or NULL */
+    double rear_lin;        /* one-way gain behind a face */
+    double snr_lin;         /* of the weakest object looked for */
+    double *extra_lin;      /* by beam: explained echoes, at the range in work */
     double *table;     /* by beam: STRENGTHS ln of ratios at that range, or NAN; K speckle only */
     bool *is_frozen;   /* headings near an echo that is explained elsewhere */
     size_t loudest;    /* the beam whose echo is in work, where one is strong; else SIZE_MAX */
@@ -262,7 +262,7 @@ static void empty_table(reader *r, size_t beam) {
  * explained, which has no texture. Most strengths are never asked for. */
 static double tabled(const reader *r, size_t beam, size_t bin, size_t q) {
     const asdic_look *look = r->look;
-    size_t cell = beam * look->bins + bin, first = q - q % AT_ONCE;
+    size_t cell = beam * look->bins + bin;
     double *table = r->table + beam * STRENGTHS;
     if (!isnan(table[q])) {
         return table[q];
@@ -272,12 +272,8 @@ static double tabled(const reader *r, size_t beam, size_t bin, size_t q) {
     asdic_background law = r->law;
     law.mean_lin = mean + extra;
     law.noise_share = fmin(fmax((noise + extra) / law.mean_lin, 0.0), 1.0);
-    double target_lin[AT_ONCE];
-    for (int i = 0; i < AT_ONCE; i++) {
-        target_lin[i] = mean * pow(10.0, 0.1 * (FIRST_DB + STEP_DB * (double)(first + i)));
-    }
-    asdic_detect_llrs(&law, ASDIC_TARGET_SWERLING2, target_lin, AT_ONCE, look->intensity_lin[cell],
-                      table + first);
+    double target_lin = mean * pow(10.0, 0.1 * (FIRST_DB + STEP_DB * (double)q));
+    table[q] = asdic_k_table_llr(r->k_table, &law, target_lin, look->intensity_lin[cell]);
     return table[q];
 }
 
@@ -508,10 +504,11 @@ static asdic_status read_ping(asdic_context *ctx, reader *r) {
 }
 
 asdic_status asdic_evidence_create(asdic_context *ctx, const asdic_look *look,
-                                   asdic_evidence *out) {
+                                   asdic_k_table *k_table, asdic_evidence *out) {
     size_t beams = look->sonar->receiver_count;
     reader r = {.look = look,
                 .out = out,
+                .k_table = k_table,
                 .rear_lin = fmax(pow(10.0, 0.1 * look->sonar->rear_floor_db), LEAST_REAR),
                 .snr_lin = pow(10.0, 0.1 * look->snr_db)};
     *out = (asdic_evidence){.bins = look->bins};

@@ -26,6 +26,8 @@
 #ifndef ASDIC_DETECT_EVIDENCE_H
 #define ASDIC_DETECT_EVIDENCE_H
 
+#include "k_table.h"
+
 #include <asdic/scan.h>
 
 /* A direction of an arc. */
@@ -64,7 +66,9 @@ typedef struct asdic_hearing_range {
 asdic_hearing_range asdic_evidence_range(const asdic_sonar *sonar, size_t receiver, asdic_vec3 axis,
                                          double sound_speed_mps);
 
-asdic_status asdic_evidence_create(asdic_context *ctx, const asdic_look *look, asdic_evidence *out);
+/* K_TABLE is of LOOK's law, or NULL. */
+asdic_status asdic_evidence_create(asdic_context *ctx, const asdic_look *look,
+                                   asdic_k_table *k_table, asdic_evidence *out);
 void asdic_evidence_finish(asdic_evidence *footprint);
 
 #endif

@@ -52,8 +52,7 @@ int asdic_target_code(asdic_target target) {
                                               : TARGET_SWERLING3;
 }
 
-/* Background plus target, where both are exponential per look. */
-static asdic_background both_of(const asdic_background *b, double target_lin) {
+asdic_background asdic_background_with(const asdic_background *b, double target_lin) {
     asdic_background both = *b;
     both.mean_lin += target_lin;
     both.noise_share = (b->noise_share * b->mean_lin + target_lin) / both.mean_lin;
@@ -97,7 +96,7 @@ double asdic_detect_pd(const asdic_background *b, asdic_target target, double ta
         return 1.0;
     }
     if (target == ASDIC_TARGET_SWERLING2) {
-        asdic_background both = both_of(b, target_lin);
+        asdic_background both = asdic_background_with(b, target_lin);
         return asdic_detect_pfa(&both, threshold_lin);
     }
     return exceed(b, target, snr, threshold_lin / b->mean_lin);

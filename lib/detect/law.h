@@ -20,11 +20,11 @@ asdic_status asdic_background_check(asdic_context *ctx, const asdic_background *
  * texture modulates. */
 asdic_background asdic_background_blurred(asdic_background background, double stderr_db);
 
-/* asdic_detect_llr of COUNT targets at once, at most ASDIC_LLRS_MOST, into LLR: in K speckle their textures are gone
- * through once. NAN for all where one is out of range. */
-#define ASDIC_LLRS_MOST 4
-void asdic_detect_llrs(const asdic_background *background, asdic_target target,
-                       const double *target_lin, size_t count, double intensity_lin, double *llr);
+/* Background plus a target, where both are exponential per look. */
+asdic_background asdic_background_with(const asdic_background *background, double target_lin);
+
+/* In K speckle, ln of the density of an intensity, but for what the background's looks and shape alone decide. */
+double asdic_detect_log_density(const asdic_background *background, double intensity_lin);
 
 /* What CFAR needs to know of a window of so many bins: threshold over statistic, and the statistic over
  * the background's mean; the P_FA of a threshold by cost. 0: not computed yet. */
@@ -53,6 +53,11 @@ asdic_status asdic_cfar_row_scaled(asdic_context *ctx, const asdic_cfar *cfar, u
  * same at every call. */
 double asdic_cfar_rate(const asdic_cfar *cfar, unsigned looks, double factor,
                        const asdic_cfar_bins *row, size_t at, asdic_cfar_scale *scales);
+
+/* asdic_scan_ping with the likelihood ratios of detected bins alone, and NAN for others. */
+asdic_status asdic_scan_detect(asdic_scan *scan, const double *intensity_lin,
+                               const double *expected_lin, const double *noise_lin,
+                               const float *stderr_db);
 
 /* P_FA of the threshold by cost of CELL of the ping that was scanned last, over a background that CFAR estimates. NAN
  * in K clutter, for which there is no closed form. */

@@ -122,19 +122,16 @@ static bool add(log_sum *s, double part) {
     return is_rising;
 }
 
-/* Densities without a target and with each of some, at one intensity. */
+/* Densities without a target and with one, at one intensity. */
 typedef struct averages {
-    log_sum none, target[ASDIC_LLRS_MOST];
+    log_sum none, with;
 } averages;
 
-/* Adds the textures e^V from V on in steps of STEP until they matter for no hypothesis. */
-static void add_textures(const asdic_background *b, asdic_target target, double x,
-                         const double *snr, size_t count, double v, double step, averages *to) {
+/* Adds the textures e^V from V on in steps of STEP until they matter for neither hypothesis. SNR 0: there is but one. */
+static void add_textures(const asdic_background *b, asdic_target target, double x, double snr,
+                         double v, double step, averages *to) {
     double m = (double)b->looks;
-    to->none.last = -INFINITY;
-    for (size_t i = 0; i < count; i++) {
-        to->target[i].last = -INFINITY;
-    }
+    to->none.last = to->with.last = -INFINITY;
     for (bool matters = true; matters; v += step) {
         double texture = exp(v);
         /* Rounded, where a kink would cost accuracy. */
@@ -142,9 +139,8 @@ static void add_textures(const asdic_background *b, asdic_target target, double 
         double mean = sqrt(heard * heard + LEAST_MEAN * LEAST_MEAN);
         double weight = b->shape * (v - texture) - m * log(mean);
         matters = add(&to->none, weight - x / mean);
-        for (size_t i = 0; i < count; i++) {
-            double density = log_density(target, m, x / mean, snr[i] / mean);
-            matters |= add(&to->target[i], weight + density);
+        if (snr > 0.0) {
+            matters |= add(&to->with, weight + log_density(target, m, x / mean, snr / mean));
         }
     }
 }
@@ -156,11 +152,10 @@ static void add_textures(const asdic_background *b, asdic_target target, double 
  * e^v at most what it is for u = 1, or 1: no noise and no target make it bend most, but for a steady target, which
  * takes its part of X or leaves textures to make up for it. As u (1 - u) is at most 1 / 4, noise keeps e^v below
  * 1 + x / (4 shape noise). */
-static double texture_step(const asdic_background *b, asdic_target target, double x,
-                           const double *snr, size_t count) {
+static double texture_step(const asdic_background *b, asdic_target target, double x, double snr) {
     double m = (double)b->looks, most = x;
-    for (size_t i = 0; i < count && target == ASDIC_TARGET_SWERLING0; i++) {
-        double apart = sqrt(x) - sqrt(m * snr[i]);
+    if (target == ASDIC_TARGET_SWERLING0) {
+        double apart = sqrt(x) - sqrt(m * snr);
         most = fmax(most, apart * apart);
     }
     most = fmin(most, m * ASDIC_DETECT_MOST);
@@ -172,48 +167,40 @@ static double texture_step(const asdic_background *b, asdic_target target, doubl
     return fmin(MOST_STEP, STEP / sqrt(m + b->shape * (2.0 * fmax(peak, 1.0) - 1.0)));
 }
 
-/* In K speckle: SNR[COUNT] to LLR[COUNT], at an intensity of X. */
-static void average_textures(const asdic_background *b, asdic_target target, double x,
-                             const double *snr, size_t count, double *llr) {
-    x = fmin(x, (double)b->looks * ASDIC_DETECT_MOST);
-    double step = texture_step(b, target, x, snr, count);
+/* Both densities in K speckle, at an intensity of X; sums over textures STEP apart. */
+static averages average_textures(const asdic_background *b, asdic_target target, double x,
+                                 double snr, double *step) {
     const log_sum nothing = {-INFINITY, 0.0, 0.0};
-    averages sums = {.none = nothing};
-    for (size_t i = 0; i < count; i++) {
-        sums.target[i] = nothing;
-    }
-    add_textures(b, target, x, snr, count, 0.0, step, &sums);
-    add_textures(b, target, x, snr, count, -step, -step, &sums);
-    for (size_t i = 0; i < count; i++) {
-        const log_sum *with = &sums.target[i], *none = &sums.none;
-        llr[i] = with->largest - none->largest + log(with->sum / none->sum);
-    }
+    averages sums = {nothing, nothing};
+    x = fmin(x, (double)b->looks * ASDIC_DETECT_MOST);
+    *step = texture_step(b, target, x, snr);
+    add_textures(b, target, x, snr, 0.0, *step, &sums);
+    add_textures(b, target, x, snr, -*step, -*step, &sums);
+    return sums;
 }
 
-void asdic_detect_llrs(const asdic_background *b, asdic_target target, const double *target_lin,
-                       size_t count, double intensity_lin, double *llr) {
-    double m = (double)b->looks, x = m * intensity_lin / b->mean_lin, snr[ASDIC_LLRS_MOST] = {0.0};
-    bool is_good =
-        asdic_background_is_good(b) && asdic_target_is_known(target) && intensity_lin >= 0.0;
-    bool is_textured = b->shape <= ASDIC_SHAPE_MAX && b->noise_share < 1.0;
-    for (size_t i = 0; i < count; i++) {
-        snr[i] = target_lin[i] / b->mean_lin;
-        is_good = is_good && target_lin[i] >= 0.0 && !isinf(m * snr[i] / LEAST_MEAN);
-    }
-    if (is_good && is_textured) {
-        average_textures(b, target, x, snr, count, llr);
-        return;
-    }
-    for (size_t i = 0; i < count; i++) {
-        llr[i] = is_good ? log_density(target, m, x, snr[i]) + x : (double)NAN;
-    }
+double asdic_detect_log_density(const asdic_background *b, double intensity_lin) {
+    double x = (double)b->looks * intensity_lin / b->mean_lin, step;
+    averages sums = average_textures(b, ASDIC_TARGET_SWERLING2, x, 0.0, &step);
+    return sums.none.largest + log(step * sums.none.sum);
 }
 
 double asdic_detect_llr(const asdic_background *b, asdic_target target, double target_lin,
                         double intensity_lin) {
-    double llr;
-    asdic_detect_llrs(b, target, &target_lin, 1, intensity_lin, &llr);
-    return llr;
+    double m = (double)b->looks, x = m * intensity_lin / b->mean_lin,
+           snr = target_lin / b->mean_lin, step;
+    if (!asdic_background_is_good(b) || !asdic_target_is_known(target) || !(intensity_lin >= 0.0) ||
+        !(target_lin >= 0.0) || isinf(m * snr / LEAST_MEAN)) {
+        return NAN;
+    }
+    if (!(snr > 0.0)) {
+        return 0.0;
+    }
+    if (b->shape > ASDIC_SHAPE_MAX || b->noise_share == 1.0) {
+        return log_density(target, m, x, snr) + x;
+    }
+    averages sums = average_textures(b, target, x, snr, &step);
+    return sums.with.largest - sums.none.largest + log(sums.with.sum / sums.none.sum);
 }
 
 double asdic_detect_posterior(double llr, double prior) {

@@ -414,8 +414,8 @@ static void join_neighbours(update *u) {
     }
 }
 
-static asdic_status add(asdic_context *ctx, update *u) {
-    TRY(asdic_evidence_create(ctx, u->look, &u->seen));
+static asdic_status add(asdic_context *ctx, asdic_k_table *k_table, update *u) {
+    TRY(asdic_evidence_create(ctx, u->look, k_table, &u->seen));
     TRY(find_spots(ctx, u));
     size_t count = u->seen.arcs * u->seen.azimuths * u->seen.bins;
     u->rate = calloc(3 * count + 1, sizeof *u->rate);
@@ -441,7 +441,8 @@ static asdic_status add(asdic_context *ctx, update *u) {
     return ASDIC_OK;
 }
 
-asdic_status asdic_occupancy_add(asdic_context *ctx, asdic_occupancy *map, const asdic_look *look) {
+asdic_status asdic_occupancy_add_tabled(asdic_context *ctx, asdic_occupancy *map,
+                                        const asdic_look *look, asdic_k_table *k_table) {
     if (!map || !look || !look->sonar || !look->intensity_lin || !look->background_lin) {
         return asdic_fail_null(ctx, __func__);
     }
@@ -458,11 +459,15 @@ asdic_status asdic_occupancy_add(asdic_context *ctx, asdic_occupancy *map, const
                           look->bins, look->sound_speed_mps, look->depth_m, look->snr_db);
     }
     update u = {.map = map, .look = look};
-    asdic_status status = add(ctx, &u);
+    asdic_status status = add(ctx, k_table, &u);
     free(u.spots);
     free(u.rate);
     free(u.places);
     free(u.column_m);
     asdic_evidence_finish(&u.seen);
     return status;
+}
+
+asdic_status asdic_occupancy_add(asdic_context *ctx, asdic_occupancy *map, const asdic_look *look) {
+    return asdic_occupancy_add_tabled(ctx, map, look, NULL);
 }

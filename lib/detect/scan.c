@@ -203,12 +203,10 @@ static asdic_status over_means(asdic_scan *scan, const double *mean_lin, const d
     return ASDIC_OK;
 }
 
-asdic_status asdic_scan_ping(asdic_scan *scan, const double *intensity_lin,
-                             const double *expected_lin, const double *noise_lin,
-                             const float *stderr_db) {
-    if (!scan) {
-        return asdic_fail_null(NULL, __func__);
-    }
+/* Thresholds of a ping, over what is expected or over its neighbours. */
+static asdic_status find_thresholds(asdic_scan *scan, const double *intensity_lin,
+                                    const double *expected_lin, const double *noise_lin,
+                                    const float *stderr_db) {
     if (!intensity_lin || (!scan->has_cfar && !expected_lin)) {
         return asdic_fail(scan->ctx, ASDIC_ERROR_ARGUMENT,
                           "asdic_scan_ping: intensities and, without CFAR, what is expected");
@@ -229,6 +227,12 @@ asdic_status asdic_scan_ping(asdic_scan *scan, const double *intensity_lin,
     if (stderr_db && isnan(scan->detector.cost_ratio)) {
         TRY(lift_thresholds(scan, stderr_db));
     }
+    return ASDIC_OK;
+}
+
+/* Likelihood ratios of all bins, or of those alone that exceed their threshold, and NAN of others. */
+static void find_ratios(asdic_scan *scan, const double *intensity_lin, const double *noise_lin,
+                        bool detected_alone) {
     double snr = pow(10.0, 0.1 * scan->detector.snr_db);
     for (size_t i = 0; i < scan->beams * scan->bins; i++) {
         asdic_background law = scan->law;
@@ -236,10 +240,30 @@ asdic_status asdic_scan_ping(asdic_scan *scan, const double *intensity_lin,
         law.noise_share = noise_lin && law.mean_lin > 0.0
                               ? fmin(fmax(noise_lin[i] / law.mean_lin, 0.0), 1.0)
                               : 0.0;
-        scan->llr[i] = law.mean_lin > 0.0 ? asdic_detect_llr(&law, scan->detector.target,
-                                                             snr * law.mean_lin, intensity_lin[i])
-                                          : NAN;
+        bool is_asked =
+            law.mean_lin > 0.0 && (!detected_alone || intensity_lin[i] > scan->threshold_lin[i]);
+        scan->llr[i] = is_asked ? asdic_detect_llr(&law, scan->detector.target, snr * law.mean_lin,
+                                                   intensity_lin[i])
+                                : NAN;
     }
+}
+
+asdic_status asdic_scan_ping(asdic_scan *scan, const double *intensity_lin,
+                             const double *expected_lin, const double *noise_lin,
+                             const float *stderr_db) {
+    if (!scan) {
+        return asdic_fail_null(NULL, __func__);
+    }
+    TRY(find_thresholds(scan, intensity_lin, expected_lin, noise_lin, stderr_db));
+    find_ratios(scan, intensity_lin, noise_lin, false);
+    return ASDIC_OK;
+}
+
+asdic_status asdic_scan_detect(asdic_scan *scan, const double *intensity_lin,
+                               const double *expected_lin, const double *noise_lin,
+                               const float *stderr_db) {
+    TRY(find_thresholds(scan, intensity_lin, expected_lin, noise_lin, stderr_db));
+    find_ratios(scan, intensity_lin, noise_lin, true);
     return ASDIC_OK;
 }
 

@@ -31,7 +31,7 @@ static void headings_know_who_hears_them(void **state) {
         weight[b] = 1.0 / sum;
     }
     const asdic_look look = look_of(&r);
-    assert_ok(ctx, asdic_evidence_create(ctx, &look, &seen));
+    assert_ok(ctx, asdic_evidence_create(ctx, &look, NULL, &seen));
     assert_int_equal(seen.arcs, 1);
     assert_int_equal(seen.azimuths, (size_t)ceil(8.0 * acos(-1.0) / narrowest_rad));
     size_t several = 0;
@@ -89,7 +89,7 @@ static void headings_have_their_beams_shape(void **state) {
         r.beams[b].length_h_m = wide_m[b];
     }
     const asdic_look look = look_of(&r);
-    assert_ok(ctx, asdic_evidence_create(ctx, &look, &seen));
+    assert_ok(ctx, asdic_evidence_create(ctx, &look, NULL, &seen));
     assert_int_equal(seen.arcs, 3);
     static const size_t beam_of_arc[] = {2, 1, 0}; /* by elevation in their own heights */
     size_t shaped[3] = {0};
@@ -138,7 +138,7 @@ static void beams_are_asked_within_their_range(void **state) {
     axis = asdic_beam_axis(&r.beams[1], &r.pose);
     assert_close(asdic_evidence_range(&r.sonar, 1, axis, SPEED).plane_share, 0.0, 0.0);
     const asdic_look look = look_of(&r);
-    assert_ok(ctx, asdic_evidence_create(ctx, &look, &seen));
+    assert_ok(ctx, asdic_evidence_create(ctx, &look, NULL, &seen));
     size_t heard = 0;
     for (size_t i = 0; i < seen.arcs * seen.azimuths; i++) {
         const asdic_heading *h = &seen.headings[i];
@@ -166,7 +166,7 @@ static void a_beam_in_a_null_is_no_better_than_others(void **state) {
     r.beams[1].yaw_rad = 30.0 * DEGREE;
     r.beams[0].length_h_m = r.beams[1].length_h_m = 5.0 * SPEED / r.sonar.frequency_hz;
     const asdic_look look = look_of(&r);
-    assert_ok(ctx, asdic_evidence_create(ctx, &look, &seen));
+    assert_ok(ctx, asdic_evidence_create(ctx, &look, NULL, &seen));
     size_t heard = 0;
     for (size_t k = 0; k < seen.azimuths; k++) {
         const asdic_heading *h = &seen.headings[k];
@@ -193,7 +193,7 @@ static void strengths_are_averaged(void **state) {
     map_begin(&r, 1);
     r.intensity[50] = 25.0;
     const asdic_look look = look_of(&r);
-    assert_ok(ctx, asdic_evidence_create(ctx, &look, &seen));
+    assert_ok(ctx, asdic_evidence_create(ctx, &look, NULL, &seen));
     double faint = 25.0 * 10.0 / 11.0 - log(11.0), loud = 25.0 * 24.0 / 25.0 - log(25.0);
     assert_close(log(seen.ratio[50]), log(0.5 * (exp(faint) + exp(loud) * 10.0 / 24.0)), 1e-6);
     assert_close(log(seen.ratio[49]), 0.3 * 10.0 / 11.0 - log(11.0), 1e-6);
@@ -212,7 +212,7 @@ static void an_unknown_background_says_nothing(void **state) {
     r.background[31] = 0.0;
     r.background[MAP_BINS + 50] = NAN;
     const asdic_look look = look_of(&r);
-    assert_ok(ctx, asdic_evidence_create(ctx, &look, &seen));
+    assert_ok(ctx, asdic_evidence_create(ctx, &look, NULL, &seen));
     size_t heard[2] = {0};
     for (size_t k = 0; k < seen.azimuths; k++) {
         const asdic_heading *h = &seen.headings[k];
@@ -249,7 +249,7 @@ static void k_speckle_is_weighed_by_its_shape(void **state) {
         r.sonar.speckle = k == 0 ? ASDIC_SPECKLE_RAYLEIGH : ASDIC_SPECKLE_K;
         r.sonar.speckle_shape = k == 0 ? 1.5 : shapes[k];
         const asdic_look look = look_of(&r);
-        assert_ok(ctx, asdic_evidence_create(ctx, &look, &seen));
+        assert_ok(ctx, asdic_evidence_create(ctx, &look, NULL, &seen));
         on_axis[k] = seen.ratio[50]; /* straight ahead */
         loud[k] = seen.ratio[40];
         for (size_t i = 0; k == 1 && i < seen.arcs * seen.azimuths * MAP_BINS; i++) {

@@ -109,7 +109,7 @@ static void check_column(double side_m, double asked_m, size_t beyond, double to
             r.sonar.transmitter.length_v_m = r.beams[0].length_v_m = 0.01;
             r.intensity[echo] = 15.0;
             const asdic_look look = look_of(&r);
-            assert_ok(ctx, asdic_evidence_create(ctx, &look, &seen));
+            assert_ok(ctx, asdic_evidence_create(ctx, &look, NULL, &seen));
             assert_true(seen.headings[0].slope_high > tan(42.0 * DEGREE));
             double mean = mean_ratio(&r, &seen, plane_m - 0.5 * asked_m, plane_m + 0.5 * asked_m);
             asdic_vec3 low = {plane_m - 0.5 * side_m, -0.5 * side_m, 0.0};
@@ -381,7 +381,7 @@ static void water_that_is_not_heard_says_nothing(void **state) {
             r.map->floor_depth_m[k] = floor_m[i];
         }
         const asdic_look look = look_of(&r);
-        assert_ok(ctx, asdic_evidence_create(ctx, &look, &seen));
+        assert_ok(ctx, asdic_evidence_create(ctx, &look, NULL, &seen));
         assert_int_equal(seen.arcs, 1);
         double ratio = seen.ratio[60], away_m = 30.125;
         double above = fmin(-away_m * seen.headings[0].slope_low, depth_m[i]);

@@ -85,8 +85,8 @@ static double design_of(const asdic_detect_job *job, size_t cell) {
     double pfa = job->report->by_cfar ? asdic_scan_cfar_pfa(job->scan, job->intensity_lin, cell)
                                       : (double)NAN;
     asdic_background null = null_of(job, cell);
-    return isnan(pfa) ? asdic_detect_pfa(&null, asdic_scan_get(job->scan).threshold_lin[cell])
-                      : pfa;
+    double threshold = asdic_scan_get(job->scan).threshold_lin[cell];
+    return isnan(pfa) ? asdic_k_table_pd(job->k_table, &null, 0.0, threshold) : pfa;
 }
 
 double asdic_detect_bin_pd(const asdic_detect_job *job, size_t cell) {
@@ -95,7 +95,7 @@ double asdic_detect_bin_pd(const asdic_detect_job *job, size_t cell) {
         return job->object_lin[cell] > 0.0 ? 1.0 : 0.0;
     }
     asdic_background rest = asdic_detect_rest(job, cell);
-    return asdic_detect_pd(&rest, ASDIC_TARGET_SWERLING2, job->object_lin[cell], threshold);
+    return asdic_k_table_pd(job->k_table, &rest, job->object_lin[cell], threshold);
 }
 
 /* What is added to an intensity when it errs by ERROR_DB, where that is stated. */
@@ -141,8 +141,8 @@ static double pd_with_error(const asdic_detect_job *job, const asdic_record *rec
     double echo = isnan(own_db) ? 1.0 : pow(10.0, -0.1 * sign * own_db);
     asdic_background rest =
         asdic_background_of(job->info.sonar, job->sound_speed_mps, rest_lin, job->noise_lin[cell]);
-    return asdic_detect_pd(&rest, ASDIC_TARGET_SWERLING2, echo * job->object_lin[cell],
-                           background_factor(job, record, cell, sign) * threshold);
+    return asdic_k_table_pd(job->k_table, &rest, echo * job->object_lin[cell],
+                            background_factor(job, record, cell, sign) * threshold);
 }
 
 static asdic_band band_of(const asdic_detect_job *job, const asdic_record *record, size_t cell) {

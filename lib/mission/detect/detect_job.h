@@ -7,6 +7,7 @@
 #include <asdic/detections.h>
 
 #include "base/arena.h"
+#include "detect/k_table.h"
 #include "detect_background.h"
 #include "detect_truth.h"
 #include "out/file.h"
@@ -21,6 +22,7 @@ typedef struct asdic_detect_job {
     asdic_detector detector;
     asdic_mission *mission; /* the run's; NULL: its scene, a mesh or a track is not as it was */
     asdic_scan *scan;
+    asdic_k_table *k_table; /* of the ping's looks */
     asdic_namer *namer;
     asdic_tracker *tracker;
     asdic_occupancy *map;               /* NULL: none */

@@ -315,7 +315,7 @@ asdic_status asdic_detect_add_to_map(asdic_detect_job *job, const asdic_record *
                              .background_lin = asdic_scan_get(job->scan).background_lin,
                              .noise_lin = job->fixed_lin,
                              .snr_db = job->detector.snr_db};
-    return asdic_occupancy_add(job->ctx, job->map, &look);
+    return asdic_occupancy_add_tabled(job->ctx, job->map, &look, job->k_table);
 }
 
 asdic_status asdic_detect_draw_map(asdic_detect_job *job) {
