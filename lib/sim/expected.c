@@ -28,8 +28,9 @@
 
 /* On the difference of two rules, of which the better one is kept: 1e-10 is reached. */
 #define TOLERANCE 1e-7
-/* Over so little of a pattern's cycle three nodes hold an integral to 0.1 %; unless they differ by more than a SHARE
- * from the one in the middle, as at an edge. */
+/* Over so little of a pattern's cycle seven nodes may do for that; and three hold an integral to 0.1 %, unless they
+ * differ by more than a SHARE from the one in the middle, as at an edge. */
+#define SMOOTH_CYCLES 2.0
 #define SHORT_CYCLES 0.5
 #define SHARE 0.02
 /* An octave of rounded wavelengths. */
@@ -67,18 +68,33 @@ typedef struct integrand {
     const asdic_ring_profile *profile;
     double height_m; /* of the sonar from the plane */
     bool surface;    /* the plane is the surface */
-    double cycles;   /* of the pattern in a radian, where few nodes do; else INFINITY */
+    bool is_quick;   /* few nodes do */
+    double cycles;   /* of the pattern in a radian */
     size_t knots;    /* of the scattering law that lie further out than what is integrated */
 } integrand;
 
-/* Over a stretch in which elevations turn by TURN_RAD; by Gauss's three nodes where that is little. */
+/* F at either side of a stretch's centre. */
+static double sides(asdic_integrand f, integrand *in, double centre, double off) {
+    return f(centre - off, in) + f(centre + off, in);
+}
+
+/* Over a stretch in which elevations turn by TURN_RAD; where that is little by Gauss's three nodes, or by Kronrod's
+ * four beside these (Kronrod, Nodes and weights of quadrature formulas, 1965). */
 static double integrate(asdic_integrand f, integrand *in, double a, double b, double turn_rad) {
-    if (b > a && turn_rad * in->cycles < SHORT_CYCLES) {
-        double centre = 0.5 * (a + b), half = 0.5 * (b - a), off = sqrt(0.6) * half;
-        double middle = f(centre, in), sides = f(centre - off, in) + f(centre + off, in);
-        double mean = (5.0 * sides + 8.0 * middle) / 18.0;
-        if (fabs(mean - middle) <= SHARE * mean) {
+    double cycles = turn_rad * in->cycles;
+    if (b > a && cycles < SMOOTH_CYCLES) {
+        double centre = 0.5 * (a + b), half = 0.5 * (b - a);
+        double middle = f(centre, in), near = sides(f, in, centre, sqrt(0.6) * half);
+        double mean = (5.0 * near + 8.0 * middle) / 18.0;
+        if (in->is_quick && cycles < SHORT_CYCLES && fabs(mean - middle) <= SHARE * mean) {
             return mean * (b - a);
+        }
+        double better =
+            0.5 * (0.450916538658474142 * middle + 0.268488089868333440 * near +
+                   0.401397414775962222 * sides(f, in, centre, 0.434243749346802558 * half) +
+                   0.104656226026467265 * sides(f, in, centre, 0.960491268708020283 * half));
+        if (fabs(better - mean) <= TOLERANCE * better) {
+            return better * (b - a);
         }
     }
     return asdic_quadrature(f, in, a, b, TOLERANCE);
@@ -160,13 +176,17 @@ static double volume_energy(integrand *in, double begin_m, double end_m) {
 static void compute_beam(asdic_context *ctx, const asdic_flat_laws *laws, const asdic_sonar *sonar,
                          const asdic_ring_profile *profile, bool is_quick, asdic_ping *ping,
                          size_t beam) {
-    double cycles = is_quick ? asdic_ring_profile_cycles(profile) : INFINITY;
-    integrand bottom = {
-        laws,  profile, laws->flat.altitude_m,
-        false, cycles,  laws->flat.has_bottom ? asdic_scatterer_knots(&laws->bottom) : 0};
-    integrand surface = {
-        laws, profile, laws->flat.depth_m,
-        true, cycles,  laws->flat.has_surface ? asdic_scatterer_knots(&laws->surface) : 0};
+    double cycles = asdic_ring_profile_cycles(profile);
+    integrand bottom = {.laws = laws,
+                        .profile = profile,
+                        .height_m = laws->flat.altitude_m,
+                        .is_quick = is_quick,
+                        .cycles = cycles,
+                        .knots = laws->flat.has_bottom ? asdic_scatterer_knots(&laws->bottom) : 0};
+    integrand surface = bottom;
+    surface.surface = true;
+    surface.height_m = laws->flat.depth_m;
+    surface.knots = laws->flat.has_surface ? asdic_scatterer_knots(&laws->surface) : 0;
     for (size_t n = 0; n < ping->bins && !asdic_context_interrupted(ctx); n++) {
         double begin = fmax((double)n * sonar->bin_length_m, sonar->blanking_m);
         double end = (double)(n + 1) * sonar->bin_length_m;
