@@ -22,7 +22,8 @@ typedef struct asdic_detect_job {
     asdic_detector detector;
     asdic_mission *mission; /* the run's; NULL: its scene, a mesh or a track is not as it was */
     asdic_scan *scan;
-    asdic_k_table *k_table; /* of the ping's looks */
+    asdic_k_table *k_table;     /* of the ping's looks */
+    asdic_k_table *k_tables[2]; /* of even and odd looks, between which a dive may go to and fro */
     asdic_namer *namer;
     asdic_tracker *tracker;
     asdic_occupancy *map;               /* NULL: none */

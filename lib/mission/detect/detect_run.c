@@ -111,7 +111,9 @@ static asdic_status take_ping(asdic_detect_job *job, size_t index, const asdic_r
     const asdic_background law =
         asdic_background_of(job->info.sonar, job->sound_speed_mps, 1.0, 0.0);
     size_t bins = job->info.pings * job->info.beams * job->info.bins;
-    TRY(asdic_k_table_fit(job->ctx, &law, bins, &job->k_table));
+    asdic_k_table **table = &job->k_tables[law.looks % 2];
+    TRY(asdic_k_table_fit(job->ctx, &law, bins, table));
+    job->k_table = *table;
     TRY(find_background(job, index, record, &mean));
     TRY(asdic_scan_detect(job->scan, job->intensity_lin, mean, job->fixed_lin, job->error_db));
     asdic_scan_result result = asdic_scan_get(job->scan);
@@ -338,7 +340,8 @@ static void finish(asdic_detect_job *job) {
     asdic_tracker_destroy(&job->tracker);
     asdic_namer_destroy(&job->namer);
     asdic_scan_destroy(&job->scan);
-    asdic_k_table_destroy(&job->k_table);
+    asdic_k_table_destroy(&job->k_tables[0]);
+    asdic_k_table_destroy(&job->k_tables[1]);
     asdic_backdrop_close(&job->backdrop);
     asdic_backdrop_close(&job->parts);
     asdic_ping_destroy(&job->expected);
