@@ -83,19 +83,14 @@ static void integrate(const double *c, double scale, double *out) {
     }
 }
 
-/* Clenshaw's recurrence (Math. Comp. 9, 118 (1955)) for even and for odd terms, which a processor follows side by side:
- * with y = T2(x), T2k(x) = Tk(y), and T2k+1(x) / x, too, is 2 y times the one before less the one before that. */
 static double evaluate(const double *c, int terms, double x) {
-    double y = 2.0 * x * x - 1.0, even[2] = {0.0}, odd[2] = {0.0};
-    for (int j = (terms - 1) / 2; j > 0; j--) {
-        double e = 2.0 * y * even[0] - even[1] + c[2 * j];
-        double o = 2.0 * y * odd[0] - odd[1] + (2 * j + 1 < terms ? c[2 * j + 1] : 0.0);
-        even[1] = even[0];
-        even[0] = e;
-        odd[1] = odd[0];
-        odd[0] = o;
+    double b1 = 0.0, b2 = 0.0;
+    for (int j = terms - 1; j > 0; j--) {
+        double b = 2.0 * x * b1 - b2 + c[j];
+        b2 = b1;
+        b1 = b;
     }
-    return y * even[0] - even[1] + c[0] + x * ((2.0 * y - 1.0) * odd[0] - odd[1] + c[1]);
+    return x * b1 - b2 + c[0];
 }
 
 static bool converged(const double *c) {
