@@ -4,7 +4,7 @@
 #ifndef ASDIC_SCENE_BEND_H
 #define ASDIC_SCENE_BEND_H
 
-#include "patch.h"
+#include "surface.h"
 
 /* The tensor (x0, x1; x1, x2), 1/m, on the axes U and V of the facet's plane. */
 typedef struct asdic_bend {

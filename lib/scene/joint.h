@@ -5,7 +5,7 @@
 #ifndef ASDIC_SCENE_JOINT_H
 #define ASDIC_SCENE_JOINT_H
 
-#include "patch.h"
+#include "surface.h"
 
 /* Lets every facet whose open edge passes a vertex touch it with the edge's two corners: those of the two facets that
  * it would be, if cut there. OPEN has COUNT corners at which open edges begin. TOLERANCE: how far from an edge, by its

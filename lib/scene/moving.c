@@ -88,10 +88,6 @@ void asdic_movable_refit(const asdic_movable *m, const dev_triangle *triangles, 
     }
 }
 
-static uint32_t turn_normal(asdic_mat3 turn, const double *n) {
-    return asdic_smooth_pack(asdic_mat3_apply(turn, (asdic_vec3){n[0], n[1], n[2]}));
-}
-
 void asdic_movable_place(const asdic_movable *m, const asdic_pose *pose, asdic_vec3 origin_m,
                          double *world_m, dev_triangle *triangles) {
     asdic_mat3 turn = asdic_mat3_of(pose);
@@ -100,7 +96,7 @@ void asdic_movable_place(const asdic_movable *m, const asdic_pose *pose, asdic_v
         asdic_place_corners(&m->corners_m[9 * i], turn, pose->position_m, &world_m[9 * i]);
         asdic_place_triangle(&world_m[9 * i], origin_m, t);
         for (size_t k = 0; k < 3 && t->corner_normals[0] != DEV_FLAT; k++) {
-            t->corner_normals[k] = turn_normal(turn, &m->normals[9 * i + 3 * k]);
+            t->corner_normals[k] = asdic_smooth_pack(asdic_mat3_apply(turn, m->normals[3 * i + k]));
         }
     }
 }

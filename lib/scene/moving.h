@@ -16,10 +16,10 @@ struct asdic_movable {
     size_t part;
     size_t first, count; /* its triangles */
     double *corners_m;   /* 9 per triangle, mesh frame */
-    double *normals;   /* 9 per triangle, mesh frame: at the corners of curved facets; NULL: none */
-    asdic_pose pose;   /* as added */
-    asdic_pose anchor; /* as added, or set before commit: where origin and normals are found */
-    uint32_t root;     /* child word of its subtree */
+    asdic_vec3 *normals; /* 3 per triangle, mesh frame: at curved facets' corners; NULL: none */
+    asdic_pose pose;     /* as added */
+    asdic_pose anchor;   /* as added, or set before commit: where origin and normals are found */
+    uint32_t root;       /* child word of its subtree */
     size_t first_node, node_count, first_block, block_count;
 };
 

@@ -45,10 +45,9 @@ static asdic_bend mean_bend(const straights *s, uint32_t facet) {
     asdic_bend sum = {.u = s->bends[facet].u, .v = s->bends[facet].v};
     double area_m2 = 0.0;
     for (uint32_t corner = 3 * facet; corner < 3 * facet + 3; corner++) {
-        uint32_t vertex = surface->vertex[corner], first = surface->first[vertex];
-        uint32_t end = surface->first[vertex + 1];
-        for (uint32_t i = first; i < end && end - first <= ASDIC_MOST_CORNERS; i++) {
-            uint32_t at = surface->touching[i];
+        asdic_corners around = asdic_surface_around(surface, surface->vertex[corner]);
+        for (uint32_t i = 0; i < around.count; i++) {
+            uint32_t at = around.at[i];
             if (go_on(s, corner, at)) {
                 double weight = s->areas_m2[at / 3];
                 asdic_bend_add(&sum, weight, &s->bends[at / 3]);
@@ -88,12 +87,12 @@ static void measure(straights *s, uint32_t seed) {
         uint32_t facet = s->queue[head++];
         double x[3], weight = s->areas_m2[facet];
         for (uint32_t k = 0; k < 3; k++) {
-            uint32_t corner = 3 * facet + k, vertex = surface->vertex[corner];
-            uint32_t begin = surface->first[vertex], end = surface->first[vertex + 1];
+            uint32_t corner = 3 * facet + k;
+            asdic_corners around = asdic_surface_around(surface, surface->vertex[corner]);
             x[k] =
                 asdic_vec3_dot(axis, asdic_vec3_sub(asdic_surface_corner(surface, corner), origin));
-            for (uint32_t i = begin; i < end && end - begin <= ASDIC_MOST_CORNERS; i++) {
-                uint32_t at = surface->touching[i], other = at / 3;
+            for (uint32_t i = 0; i < around.count; i++) {
+                uint32_t at = around.at[i], other = at / 3;
                 if (fabs(asdic_vec3_dot(axis, s->axes[other])) > PARALLEL && go_on(s, corner, at)) {
                     s->axes[other] = (asdic_vec3){0.0, 0.0, 0.0};
                     s->queue[tail++] = other;

@@ -4,7 +4,7 @@
 #ifndef ASDIC_SCENE_STRAIGHT_H
 #define ASDIC_SCENE_STRAIGHT_H
 
-#include "patch.h"
+#include "surface.h"
 
 /* Fills radii and in-phase areas of the facets of a part that stand for a curved surface, from the NORMALS of all
  * corners, three a facet. */

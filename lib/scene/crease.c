@@ -1,0 +1,129 @@
+#include "crease.h"
+
+#include "bend.h"
+
+#include "../base/vec.h"
+
+/* Of half the angle at which facets meet at an edge. */
+#define HALF_CREASE_COSINE 0.954
+/* A patch this much larger than its neighbour may be a flat face with a rounded edge, which stays flat. */
+#define FACE_RATIO 4.0
+/* It is where the neighbour bends this much faster. On a ball all facets bend alike. */
+#define BEND_RATIO 2.0
+/* A face is cut into two triangles at least, unless it is one. What is cut into more than one across the way in which
+ * it would bend is one for certain: facets of a curved surface turn from one to the next. */
+#define SOME_FACETS 1.5
+/* What lies ahead over a bevel goes on turning about its edge; the cap of a round body's end, beside fine strips, has
+ * its normal along that, with this cosine or more. */
+#define ASIDE 0.5
+
+static asdic_vec3 sum_of_corners(const asdic_surface *s, uint32_t facet) {
+    asdic_vec3 sum = asdic_surface_corner(s, 3 * (size_t)facet);
+    sum = asdic_vec3_add(sum, asdic_surface_corner(s, 3 * (size_t)facet + 1));
+    return asdic_vec3_add(sum, asdic_surface_corner(s, 3 * (size_t)facet + 2));
+}
+
+/* Whether what lies over an edge from FACET touches the facet that has CORNER, ahead of it on the WAY. */
+static bool is_bevel(const asdic_surface *s, uint32_t facet, uint32_t corner, asdic_vec3 way) {
+    asdic_vec3 own = asdic_surface_normal(s, facet), from = sum_of_corners(s, corner / 3);
+    asdic_vec3 edge = asdic_vec3_cross(own, asdic_surface_normal(s, corner / 3));
+    double aside = ASIDE * asdic_vec3_length(edge);
+    for (uint32_t k = 1; k < 3; k++) {
+        uint32_t at = s->vertex[3 * (size_t)(corner / 3) + (corner + k) % 3];
+        asdic_corners around = asdic_surface_around(s, at);
+        for (uint32_t i = 0; i < around.count; i++) {
+            uint32_t next = around.at[i] / 3;
+            asdic_vec3 normal = asdic_surface_normal(s, next);
+            if (asdic_vec3_dot(own, normal) < ASDIC_CREASE_COSINE &&
+                fabs(asdic_vec3_dot(edge, normal)) < aside &&
+                asdic_vec3_dot(way, asdic_vec3_sub(sum_of_corners(s, next), from)) > 0.0) {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+/* Whether the much smaller facet that has CORNER begins the bevelled or rounded edge of the flat face
+ * that FACET is, or is cut from. */
+static bool begins_edge(const asdic_surface *s, uint32_t facet, uint32_t corner) {
+    uint32_t other = corner / 3;
+    const asdic_patch *face = &s->patches[s->patch[facet]];
+    asdic_vec3 own = asdic_surface_normal(s, facet), normal = asdic_surface_normal(s, other);
+    asdic_vec3 turn = asdic_vec3_sub(normal, asdic_vec3_scale(own, asdic_vec3_dot(own, normal)));
+    asdic_vec3 way = asdic_vec3_sub(sum_of_corners(s, other), sum_of_corners(s, facet));
+    if (asdic_patch_width(face, turn) > SOME_FACETS * asdic_surface_width(s, facet, turn) ||
+        (face->area_m2 > SOME_FACETS * asdic_surface_area(s, facet) &&
+         is_bevel(s, facet, corner, way))) {
+        return true;
+    }
+    asdic_bend there = asdic_bend_of(s, other, s->round + 3 * (size_t)other);
+    asdic_bend here = asdic_bend_of(s, facet, s->round + 3 * (size_t)facet);
+    return asdic_bend_along(&there, way) > BEND_RATIO * asdic_bend_along(&here, way);
+}
+
+/* Whether the surface that FACET stands for goes on in the facet that has CORNER, where both touch. */
+static bool goes_on(const asdic_surface *s, uint32_t facet, uint32_t corner) {
+    uint32_t own = s->patch[facet], other = s->patch[corner / 3];
+    return own == other ||
+           (asdic_vec3_dot(asdic_surface_normal(s, facet), asdic_surface_normal(s, corner / 3)) >=
+                ASDIC_CREASE_COSINE &&
+            !(s->round && s->patches[other].area_m2 < s->patches[own].area_m2 / FACE_RATIO &&
+              begins_edge(s, facet, corner)));
+}
+
+asdic_corners asdic_crease_within(const asdic_surface *s, asdic_corners around, uint32_t facet,
+                                  uint32_t *kept) {
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < around.count; i++) {
+        kept[count] = around.at[i];
+        count += goes_on(s, facet, around.at[i]);
+    }
+    return (asdic_corners){kept, count};
+}
+
+bool asdic_crease_is_even(const asdic_surface *s, asdic_corners around) {
+    double least_m2 = INFINITY, most_m2 = 0.0;
+    for (uint32_t i = 0; i < around.count; i++) {
+        double area_m2 = s->patches[s->patch[around.at[i] / 3]].area_m2;
+        least_m2 = area_m2 < least_m2 ? area_m2 : least_m2;
+        most_m2 = area_m2 > most_m2 ? area_m2 : most_m2;
+    }
+    return most_m2 <= FACE_RATIO * least_m2;
+}
+
+bool asdic_crease_is_smooth(const asdic_surface *s, asdic_corners around) {
+    for (uint32_t i = 1; i < around.count; i++) {
+        if (asdic_vec3_dot(asdic_surface_normal(s, around.at[0] / 3),
+                           asdic_surface_normal(s, around.at[i] / 3)) < HALF_CREASE_COSINE) {
+            return false;
+        }
+    }
+    return true;
+}
+
+bool asdic_crease_is_whole(const asdic_surface *s, asdic_corners around) {
+    if (asdic_crease_is_smooth(s, around) && asdic_crease_is_even(s, around)) {
+        return true;
+    }
+    for (uint32_t i = 0; i < around.count; i++) {
+        for (uint32_t j = 0; j < around.count; j++) {
+            if (!goes_on(s, around.at[i] / 3, around.at[j])) {
+                return false;
+            }
+        }
+    }
+    return true;
+}
+
+bool asdic_crease_is_bent(const asdic_surface *s, uint32_t facet) {
+    for (size_t k = 0; k < 3; k++) {
+        asdic_corners around = asdic_surface_around(s, s->vertex[3 * (size_t)facet + k]);
+        for (uint32_t i = 0; i < around.count; i++) {
+            if (s->patch[around.at[i] / 3] != s->patch[facet] && goes_on(s, facet, around.at[i])) {
+                return true;
+            }
+        }
+    }
+    return false;
+}
