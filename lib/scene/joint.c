@@ -1,63 +1,33 @@
 #include "joint.h"
 
+#include "point_tree.h"
+
 #include "base/context.h"
 #include "base/vec.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* A vertex by its place along a line askew to all axes, so that few share one with an edge. */
-typedef struct placed {
-    double place;
-    uint32_t vertex;
-} placed;
-
 typedef struct joint {
     uint32_t vertex, corner;
 } joint;
-
-static double place_of(asdic_vec3 p) {
-    return 0.742 * p.x + 0.557 * p.y + 0.374 * p.z;
-}
-
-static int by_place(const void *a, const void *b) {
-    const placed *x = a, *y = b;
-    return x->place != y->place ? (x->place > y->place) - (x->place < y->place)
-                                : (x->vertex > y->vertex) - (x->vertex < y->vertex);
-}
 
 static uint32_t next_corner(uint32_t corner) {
     return corner % 3 == 2 ? corner - 2 : corner + 1;
 }
 
-/* The ends of open edges, each once, by place; how many. */
-static size_t place_ends(const asdic_surface *s, const uint32_t *open, size_t count, placed *out) {
+/* The ends of open edges, each once; how many. SEEN: false for every corner. */
+static size_t list_ends(const asdic_surface *s, const uint32_t *open, size_t count, bool *seen,
+                        asdic_point_place *out) {
     size_t kept = 0;
     for (size_t i = 0; i < 2 * count; i++) {
         uint32_t vertex = s->vertex[i % 2 ? next_corner(open[i / 2]) : open[i / 2]];
-        out[i] = (placed){place_of(asdic_surface_corner(s, vertex)), vertex};
-    }
-    qsort(out, 2 * count, sizeof *out, by_place);
-    for (size_t i = 0; i < 2 * count; i++) {
-        if (kept == 0 || out[kept - 1].vertex != out[i].vertex) {
-            out[kept++] = out[i];
+        if (!seen[vertex]) {
+            out[kept++] = (asdic_point_place){asdic_surface_corner(s, vertex), vertex};
+            seen[vertex] = true;
         }
     }
     return kept;
-}
-
-/* The first of COUNT that lies at PLACE or beyond. */
-static size_t first_at(const placed *ends, size_t count, double place) {
-    size_t low = 0;
-    while (low < count) {
-        size_t middle = low + (count - low) / 2;
-        if (ends[middle].place < place) {
-            low = middle + 1;
-        } else {
-            count = middle;
-        }
-    }
-    return low;
 }
 
 static bool has_vertex(const asdic_surface *s, uint32_t facet, uint32_t vertex) {
@@ -65,29 +35,45 @@ static bool has_vertex(const asdic_surface *s, uint32_t facet, uint32_t vertex) 
     return v[0] == vertex || v[1] == vertex || v[2] == vertex;
 }
 
-/* Puts the vertices on the open edge that begins at CORNER into OUT, unless that is NULL; how many. */
-static size_t join_edge(const asdic_surface *s, uint32_t corner, const placed *ends, size_t count,
-                        double tolerance, joint *out) {
-    asdic_vec3 from = asdic_surface_corner(s, corner);
-    asdic_vec3 edge = asdic_vec3_sub(asdic_surface_corner(s, next_corner(corner)), from);
-    double length2 = asdic_vec3_dot(edge, edge), off_m = tolerance * sqrt(length2);
-    double low = place_of(from) + fmin(place_of(edge), 0.0) - off_m;
-    double high = place_of(from) + fmax(place_of(edge), 0.0) + off_m;
-    size_t found = 0;
-    for (size_t i = first_at(ends, count, low); i < count && ends[i].place <= high; i++) {
-        uint32_t vertex = ends[i].vertex;
-        asdic_vec3 way = asdic_vec3_sub(asdic_surface_corner(s, vertex), from);
-        double along = asdic_vec3_dot(way, edge) / length2;
-        asdic_vec3 aside = asdic_vec3_sub(way, asdic_vec3_scale(edge, along));
-        if (along > 0.0 && along < 1.0 && asdic_vec3_dot(aside, aside) <= off_m * off_m &&
-            !has_vertex(s, corner / 3, vertex)) {
-            if (out) {
-                out[found] = (joint){vertex, corner};
-            }
-            found++;
-        }
+/* An open edge, and how many joints are found on it. */
+typedef struct open_edge {
+    const asdic_surface *surface;
+    asdic_point_search search;
+    double length2;
+    uint32_t corner;
+    size_t found;
+    joint *out; /* NULL: they are counted alone */
+} open_edge;
+
+static void try_end(void *caller, const asdic_point_place *end) {
+    open_edge *e = caller;
+    const asdic_point_search *q = &e->search;
+    asdic_vec3 way = asdic_vec3_sub(end->at_m, q->from_m);
+    double part = asdic_vec3_dot(way, q->way_m);
+    if (!(part > 0.0 && part < e->length2)) {
+        return;
     }
-    return found;
+    double share = part / e->length2;
+    asdic_vec3 aside = asdic_vec3_sub(way, asdic_vec3_scale(q->way_m, share));
+    if (share < 1.0 && asdic_vec3_dot(aside, aside) <= q->reach_m * q->reach_m &&
+        !has_vertex(e->surface, e->corner / 3, end->id)) {
+        if (e->out) {
+            e->out[e->found] = (joint){end->id, e->corner};
+        }
+        e->found++;
+    }
+}
+
+/* Puts the vertices on the open edge that begins at CORNER into OUT, unless that is NULL; how many. */
+static size_t join_edge(const asdic_surface *s, uint32_t corner, const asdic_point_place *ends,
+                        size_t count, double tolerance, joint *out) {
+    asdic_vec3 from = asdic_surface_corner(s, corner);
+    asdic_vec3 way = asdic_vec3_sub(asdic_surface_corner(s, next_corner(corner)), from);
+    open_edge edge = {
+        .surface = s, .corner = corner, .length2 = asdic_vec3_dot(way, way), .out = out};
+    edge.search = (asdic_point_search){from, way, tolerance * sqrt(edge.length2), try_end, &edge};
+    asdic_point_tree_search(ends, count, &edge.search);
+    return edge.found;
 }
 
 /* Puts the corners of COUNT joints behind each vertex' own, into TOUCHING. EXTRA: a zero for every corner. */
@@ -114,15 +100,17 @@ static void insert(asdic_surface *s, const joint *found, size_t count, uint32_t 
 asdic_status asdic_surface_join(asdic_context *ctx, asdic_surface *s, const uint32_t *open,
                                 size_t count, double tolerance) {
     size_t corners = 3 * (size_t)s->count, most = 0, found = 0;
-    placed *ends = malloc(2 * count * sizeof *ends + 1);
-    size_t end_count = ends ? place_ends(s, open, count, ends) : 0;
-    for (size_t i = 0; i < count && ends; i++) {
+    asdic_point_place *ends = malloc(2 * count * sizeof *ends + 1);
+    bool *seen = calloc(corners, sizeof *seen);
+    size_t end_count = ends && seen ? list_ends(s, open, count, seen, ends) : 0;
+    asdic_point_tree_plant(ends, end_count);
+    for (size_t i = 0; i < count && end_count > 0; i++) {
         most += join_edge(s, open[i], ends, end_count, tolerance, NULL);
     }
     joint *joints = malloc(most * sizeof *joints + 1);
     uint32_t *touching = malloc((corners + 2 * most) * sizeof *touching);
     uint32_t *extra = calloc(corners, sizeof *extra);
-    bool has_room = ends && joints && touching && extra;
+    bool has_room = ends && seen && joints && touching && extra;
     for (size_t i = 0; i < count && has_room && most > 0; i++) {
         found += join_edge(s, open[i], ends, end_count, tolerance, joints + found);
     }
@@ -133,6 +121,7 @@ asdic_status asdic_surface_join(asdic_context *ctx, asdic_surface *s, const uint
         touching = before;
     }
     free(ends);
+    free(seen);
     free(joints);
     free(touching);
     free(extra);

@@ -2,15 +2,18 @@
 #include "asserts.h"
 
 #include "base/clock.h"
+#include "base/vec.h"
 #include "kernels/smooth.h"
 #include "scene/mesh_build.h"
 #include "scene/scene.h"
+#include "scene/point_tree.h"
 #include "scene/smooth.h"
 #include "scene/triangles.h"
 
 #include <asdic/asdic.h>
 
 #include <stdlib.h>
+#include <string.h>
 
 #define PI 3.14159265358979323846
 
@@ -599,6 +602,79 @@ static void a_facet_that_is_a_point_slows_no_welding(void **state) {
     free(vertices_m);
 }
 
+typedef struct near_segment {
+    const asdic_point_search *search;
+    size_t count;
+} near_segment;
+
+static void count_near(void *caller, const asdic_point_place *point) {
+    near_segment *near = caller;
+    asdic_vec3 way = near->search->way_m, p = asdic_vec3_sub(point->at_m, near->search->from_m);
+    double along = asdic_vec3_dot(p, way) / asdic_vec3_dot(way, way);
+    asdic_vec3 aside = asdic_vec3_sub(p, asdic_vec3_scale(way, along));
+    near->count +=
+        along >= 0.0 && along <= 1.0 && asdic_vec3_length(aside) <= near->search->reach_m;
+}
+
+/* Points of a lattice share coordinates; segments go along its axes, and askew. */
+static void a_tree_meets_all_points_near_a_segment(void **state) {
+    (void)state;
+    enum { SIDE = 15, POINTS = SIDE * SIDE * SIDE, SEGMENTS = 300 };
+    asdic_point_place points[POINTS];
+    size_t met = 0;
+    for (uint32_t i = 0; i < POINTS; i++) {
+        points[i] = (asdic_point_place){{i % SIDE, i / SIDE % SIDE, i / SIDE / SIDE}, i};
+    }
+    asdic_point_tree_plant(points, POINTS);
+    for (uint32_t i = 0; i < SEGMENTS; i++) {
+        double way[3], step = i % 2 ? 1.0 : 0.0;
+        for (uint32_t k = 0; k < 3; k++) {
+            way[k] = i % 3 == k ? 9.0 * jitter(7 * i + k) : step * 20.0 * jitter(7 * i + k);
+        }
+        asdic_point_search search = {.from_m = {i % 13, i % 11, i % 7},
+                                     .way_m = {way[0], way[1], way[2]},
+                                     .reach_m = i % 5 * 0.4,
+                                     .meet = count_near};
+        near_segment tree = {.search = &search}, all = tree;
+        search.caller = &tree;
+        asdic_point_tree_search(points, POINTS, &search);
+        for (size_t k = 0; k < POINTS; k++) {
+            count_near(&all, &points[k]);
+        }
+        assert_int_equal(tree.count, all.count);
+        met += all.count;
+    }
+    assert_true(met > SEGMENTS);
+}
+
+/* Slivers upright side by side, whose open edges are as long as the object: none joins another, and none takes time. */
+static void loose_slivers_are_committed_soon(void **state) {
+    (void)state;
+    enum { SIDE = 200, SLIVERS = SIDE * SIDE };
+    double *vertices_m = malloc(9 * SLIVERS * sizeof *vertices_m);
+    uint32_t *indices = malloc(3 * SLIVERS * sizeof *indices);
+    for (uint32_t i = 0; i < SLIVERS; i++) {
+        double x = 0.1 * (i % SIDE), y = 0.1 * (double)(i / SIDE);
+        const double corners[9] = {x, y, 0.0, x + 0.02, y, 0.0, x, y + 0.005, 10.0};
+        memcpy(&vertices_m[9 * (size_t)i], corners, sizeof corners);
+        for (uint32_t k = 0; k < 3; k++) {
+            indices[3 * i + k] = 3 * i + k;
+        }
+    }
+    asdic_mesh *mesh;
+    assert_ok(ctx,
+              asdic_mesh_from_triangles(ctx, vertices_m, 3 * SLIVERS, indices, SLIVERS, &mesh));
+    double start_s = asdic_clock_s();
+    asdic_scene *scene = steel_scene(mesh);
+    assert_true(asdic_clock_s() - start_s < 4.0);
+    for (size_t i = 0; i < SLIVERS; i++) {
+        assert_int_equal(scene->triangles[i].corner_normals[0], DEV_FLAT);
+    }
+    asdic_scene_destroy(&scene);
+    free(indices);
+    free(vertices_m);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(packing_keeps_directions),
@@ -618,6 +694,8 @@ int main(void) {
         cmocka_unit_test(facets_wound_either_way_are_one_body),
         cmocka_unit_test(other_laws_stay_flat),
         cmocka_unit_test(a_facet_that_is_a_point_slows_no_welding),
+        cmocka_unit_test(a_tree_meets_all_points_near_a_segment),
+        cmocka_unit_test(loose_slivers_are_committed_soon),
     };
     if (asdic_context_create(&ctx) != ASDIC_OK) {
         return 1;
