@@ -32,6 +32,8 @@ static size_t table_slots(size_t count) {
 #define TWIN_SHARE 0x1p-20
 /* Corners of one facet never become one: neither reaches half the way to the other. */
 #define EDGE_SHARE 0.25
+/* Width of a cell, by what is in reach: few vertices are so near its sides that they are looked for in others. */
+#define CELL 16.0
 
 /* How far apart, along each axis, the vertices that are one may be. */
 static double reach_of(const double *vertices_m, const uint32_t *indices, size_t triangles) {
@@ -97,13 +99,14 @@ static uint32_t first_twin(const weld *w, uint32_t i) {
     size_t home = slot_in(w, own, v);
     uint32_t least = w->table[home];
     for (int corner = 0; corner < 8; corner++) {
-        bool again = false;
+        bool again = false, is_home = true;
         for (int k = 0; k < 3; k++) {
             bool upper = corner >> k & 1;
             cell[k] = upper ? high[k] : low[k];
             again |= upper && high[k] == low[k];
+            is_home &= cell[k] == own[k];
         }
-        uint32_t found = again ? UINT32_MAX : w->table[slot_in(w, cell, v)];
+        uint32_t found = again || is_home ? UINT32_MAX : w->table[slot_in(w, cell, v)];
         least = found < least ? found : least;
     }
     if (least == UINT32_MAX) {
@@ -117,7 +120,7 @@ asdic_status asdic_weld_vertices(asdic_context *ctx, const double *vertices_m, s
     weld w = {.vertices_m = vertices_m,
               .slots = table_slots(count),
               .reach_m = reach_of(vertices_m, indices, triangles)};
-    w.cell_m = 4.0 * w.reach_m;
+    w.cell_m = CELL * w.reach_m;
     w.table = malloc(w.slots * sizeof *w.table);
     if (!w.table) {
         return asdic_fail_memory(ctx, "the welding of a mesh's vertices");
