@@ -6,6 +6,7 @@
 
 #include "base/clock.h"
 #include "base/context.h"
+#include "base/sort.h"
 #include "base/try.h"
 
 #include <math.h>
@@ -63,17 +64,15 @@ static double echo_of(const asdic_ping *ping, size_t at) {
     return sum;
 }
 
+static bool is_rougher(const void *a, const void *b) {
+    return ((const asdic_rough_bin *)a)->stderr_db > ((const asdic_rough_bin *)b)->stderr_db;
+}
+
 /* Keeps the roughest bins, roughest first. */
 static void add_rough(asdic_ray_budget *out, asdic_rough_bin bin) {
-    size_t at = out->rough_count < ASDIC_ROUGH_BINS ? out->rough_count : ASDIC_ROUGH_BINS - 1;
-    if (out->rough_count++ >= ASDIC_ROUGH_BINS && out->rough[at].stderr_db >= bin.stderr_db) {
-        return;
-    }
-    while (at > 0 && out->rough[at - 1].stderr_db < bin.stderr_db) {
-        out->rough[at] = out->rough[at - 1];
-        at--;
-    }
-    out->rough[at] = bin;
+    size_t kept = out->rough_count < ASDIC_ROUGH_BINS ? out->rough_count : ASDIC_ROUGH_BINS;
+    asdic_sort_keep(out->rough, &kept, ASDIC_ROUGH_BINS, &bin, sizeof bin, is_rougher);
+    out->rough_count++;
 }
 
 static void judge(const asdic_ping *ping, size_t number, double tolerance_db,
