@@ -25,7 +25,9 @@
 #define DEV_MAX_LOBES 12
 /* A lobe's scale far beyond any window: evenly spread. */
 #define DEV_EVEN_SCALE 1e4f
-#define DEV_MAX_CONES 8 /* at objects, and as many at their images and at glints */
+#define DEV_MAX_CONES 8    /* at objects, and as many at their images and at glints */
+#define DEV_MAX_BUNDLES 32 /* cones at objects through layers */
+#define DEV_CONES (DEV_MAX_BUNDLES + DEV_MAX_CONES)
 /* Of the learnt table, see learnt.h; powers of two. */
 #define DEV_TABLE_CELLS 512
 #define DEV_TABLE_ROWS 32
@@ -76,6 +78,12 @@ typedef struct dev_cone {
     float splat;   /* as ray_sample */
     dev_uint first, count;
 } dev_cone;
+
+/* A part to which several rays come, and how much louder what it sends comes home by all of them than by a straight one. */
+typedef struct dev_pair {
+    dev_uint part;
+    float home_lin;
+} dev_pair;
 
 /* A triangle that rays are aimed at: its id, and the share of such rays up to it. */
 typedef struct dev_face {
@@ -162,7 +170,7 @@ typedef struct dev_sampling {
     dev_zones zones;
     dev_uint lobes;
     dev_lobe lobe[DEV_MAX_LOBES];
-    dev_cone cone[2 * DEV_MAX_CONES];
+    dev_cone cone[DEV_CONES];
 } dev_sampling;
 
 /* The accumulator and what becomes of it, see deposit.h and reduce.cl. */
@@ -217,6 +225,8 @@ typedef struct dev_ping {
     dev_uint stride;        /* bytes from this ping to the next that goes with it */
     dev_uint states_errors; /* 0: nobody asks for the groups' spread */
     dev_uint seed[2], ping[2];
+    dev_uint pair_count;
+    dev_pair pair[DEV_MAX_CONES];
     float fan_rows[9]; /* world to fan: z is the faces' common axis; see receive.h */
     dev_batch batch;
     dev_sampling sampling;

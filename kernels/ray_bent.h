@@ -197,14 +197,20 @@ FORMULA real bent_arc(const ray *r, const bent_place *at) {
                                   v * (R(0.075) + v * (R(15.0) / R(336.0) + v * R(0.0303819)))));
 }
 
-/* The loss on the way over that of a straight ray of RANGE: (range b / sinh(b range))^2, and the absorption
- * of an arc that is longer or shorter than the range. MINUS_2K is -2 K. */
-FORMULA real ray_bending(const ray *r, real t, real range, real minus_2k) {
+/* How much less it spreads than a straight ray of RANGE: (range b / sinh(b range))^2 in one layer. */
+FORMULA real ray_focus(const ray *r, real t, real range) {
     bent_place at = bent_at(r, t);
     real spread = range / r->pace * at.q;
     real tube = bent_across(r, at.t) * r_abs(r->along + r->slope * at.t);
     tube = r_max(tube, r_max((real)(BENT_CAUSTIC)*range * range * at.q / r->pace, R(1e-12)));
-    real loss = spread * spread / tube * exp(minus_2k * (r->arc + bent_arc(r, &at) - range));
+    return spread * spread / tube;
+}
+
+/* The loss on the way over that of a straight ray of RANGE: by its focus, and by the absorption of an arc that is longer
+ * or shorter than the range. MINUS_2K is -2 K. */
+FORMULA real ray_bending(const ray *r, real t, real range, real minus_2k) {
+    bent_place at = bent_at(r, t);
+    real loss = ray_focus(r, t, range) * exp(minus_2k * (r->arc + bent_arc(r, &at) - range));
     mask bends = (r->bend != R(0.0)) | (r->across > R(0.0));
     return choose((t < (real)(BENT_FAR)) & bends, loss, R(1.0));
 }

@@ -49,6 +49,22 @@ typedef struct ray_store {
     __global const float *volume_inverse;
 } ray_store;
 
+#if ASDIC_LAYERS && ASDIC_HAS_MESH
+/* What comes home of what R met, by all rays, over what does by R alone. */
+static real home_of_pairs(const world *w, const meeting *m, const ray *r, real range) {
+    real home = R(0.0);
+    for (uint i = 0; i < w->ping->pair_count; i++) {
+        LANES {
+            if (AT(m->kind, const uint) == DEV_KIND_OBJECT &&
+                w->triangles[AT(m->triangle, const uint)].part == w->ping->pair[i].part) {
+                AT(home, float) = w->ping->pair[i].home_lin;
+            }
+        }
+    }
+    return choose(home > R(0.0), home / ray_focus(r, m->t, range), R(1.0));
+}
+#endif
+
 /* Loads the rays in SLOTS once more, through layers, where to keep them takes registers that a GPU lacks. */
 static void load_again(sonar_rays *own, __global const dev_ping *ping, const ray_store *store,
                        natural slots) {
@@ -97,6 +113,9 @@ static uint shade_rays(const world *w, const ray_store *store, const sink *to,
     slant met = surface_slant(&m, arriving);
     real energy = strength(w, &laws, met, ray_spread(&r, m.t)) / sin_grazing;
     energy *= ray_bending(&r, m.t, range, (real)(-2.0f * ping->absorption_np_per_m));
+#if ASDIC_LAYERS && ASDIC_HAS_MESH
+    energy *= home_of_pairs(w, &m, &r, range);
+#endif
 #if ASDIC_HAS_MIRRORS
     real share = mirrored(w, &laws, &m, met);
 #endif

@@ -1,8 +1,8 @@
 #include "cones.h"
 
 #include "aim.h"
+#include "base/sort.h"
 #include "base/vec.h"
-#include "eigenray.h"
 #include "sonar_ray.h"
 
 #include <math.h>
@@ -120,35 +120,29 @@ static bool consider(const asdic_part *part, const outlook *o, const asdic_passa
                   : radius <= WIDEST * distance && direct.score > 0.0;
 }
 
+static bool is_louder(const void *a, const void *b) {
+    return ((const candidate *)a)->score > ((const candidate *)b)->score;
+}
+
 /* Adds to BEST, of COUNT, what is seen by WAY, or straight without one: the loudest, loudest first; of equals the first
  * in the scene. */
-static void pick(const outlook *o, const asdic_passage *way, candidate *best, unsigned *count) {
+static void pick(const outlook *o, const asdic_passage *way, candidate *best, size_t *count) {
     for (size_t i = 0; i < o->part_count; i++) {
         candidate c;
-        if (!consider(&o->parts[i], o, way && way->mirror ? way : NULL, &c)) {
-            continue;
-        }
-        c.part = i;
-        c.way = way;
-        unsigned at = *count < DEV_MAX_CONES ? (*count)++ : DEV_MAX_CONES;
-        while (at > 0 && c.score > best[at - 1].score) {
-            if (at < DEV_MAX_CONES) {
-                best[at] = best[at - 1];
-            }
-            at--;
-        }
-        if (at < DEV_MAX_CONES) {
-            best[at] = c;
+        if (consider(&o->parts[i], o, way && way->mirror ? way : NULL, &c)) {
+            c.part = i;
+            c.way = way;
+            asdic_sort_keep(best, count, DEV_MAX_CONES, &c, sizeof c, is_louder);
         }
     }
 }
 
-unsigned asdic_cones_pick(const asdic_part *parts, size_t part_count, asdic_vec3 position_m,
-                          const dev_beam *beams, const dev_ping *ping, size_t *with_cone) {
+size_t asdic_cones_pick(const asdic_part *parts, size_t part_count, asdic_vec3 position_m,
+                        const dev_beam *beams, const dev_ping *ping, size_t *with_cone) {
     candidate best[DEV_MAX_CONES];
-    unsigned count = 0;
+    size_t count = 0;
     pick(&(outlook){parts, part_count, position_m, beams, ping, false}, NULL, best, &count);
-    for (unsigned c = 0; c < count; c++) {
+    for (size_t c = 0; c < count; c++) {
         with_cone[c] = best[c].part;
     }
     return count;
@@ -172,12 +166,20 @@ static void fill_rows(asdic_vec3 w, float rows[9]) {
 /* Places that are aimed at: a part's top, its middle and its bottom, as seen straight from the sonar. */
 #define LEVELS 3
 #define MOST_AIMS (LEVELS * ASDIC_MOST_EIGENRAYS)
+/* A bundle of more rays than these is a fan, which cones as narrow as the part share: one as high as the fan would be as
+ * wide, and miss with most of its rays. */
+#define FEW_AIMS (LEVELS * 6)
+#define MOST_PIECES 16.0
 
 /* A ray to a level of a part: PAD more of elevation would miss it by the part's radius. */
 typedef struct aim {
     double elevation_rad, pad_rad;
     unsigned level; /* a bit each */
 } aim;
+
+static bool is_higher(const void *a, const void *b) {
+    return ((const aim *)a)->elevation_rad < ((const aim *)b)->elevation_rad;
+}
 
 #define MIDDLE 2u
 #define ALL_LEVELS 7u
@@ -193,39 +195,42 @@ static size_t find_aims(const outlook *o, const asdic_passage *way, const asdic_
         double to_m = middle_m + (level - 1) * scale * across_m;
         double there_m = fmax(across_m - (level - 1) * scale * down, 0.0);
         asdic_eigenray rays[ASDIC_MOST_EIGENRAYS];
-        size_t ray_count = asdic_eigenrays_find(&way->layers, from_m, to_m, there_m, rays);
+        size_t ray_count = asdic_passage_rays(way, from_m, to_m, there_m, rays);
         for (size_t i = 0; i < ray_count; i++) {
-            const asdic_eigenray *found = &rays[i];
-            double width = fmax(fabs(found->end.width_m), NARROWEST * found->end.length_m);
-            if (!asdic_eigenray_keeps_between(&way->layers, from_m, there_m, found, way->top_m,
-                                              way->bottom_m)) {
-                continue;
-            }
-            size_t at = count++;
-            for (; at > 0 && aims[at - 1].elevation_rad > found->elevation_rad; at--) {
-                aims[at] = aims[at - 1];
-            }
-            aims[at] = (aim){found->elevation_rad, radius / width, 1u << level};
+            const asdic_bent_ray *end = &rays[i].end;
+            double width = fmax(fabs(end->width_m), NARROWEST * end->length_m);
+            const aim a = {rays[i].elevation_rad, radius / width, 1u << level};
+            asdic_sort_keep(aims, &count, MOST_AIMS, &a, sizeof a, is_higher);
         }
     }
     return count;
 }
 
-/* Elevations from the middle of a cone to its edge. */
+/* Elevations from the middle of a cone to its edge, how many aims, and how strongly their rays are focused. */
 typedef struct bundle {
-    double middle_rad, half_rad;
+    double middle_rad, half_rad, focus;
+    size_t aims;
 } bundle;
+
+static bool is_brighter(const void *a, const void *b) {
+    return ((const bundle *)a)->focus > ((const bundle *)b)->focus;
+}
+
+static bool leaves_higher(const void *a, const void *b) {
+    return ((const bundle *)a)->middle_rad < ((const bundle *)b)->middle_rad;
+}
 
 /* Takes the first of *COUNT AIMS that are one bundle off them. What is seen only in part may be seen up to the next
  * level: at the edge of a shadow the ray to that is missing. */
 static bundle take_bundle(const aim **aims, size_t *count) {
     const aim *first = *aims, *last = first, *end = first + *count;
-    double middle = first->elevation_rad;
+    double middle = first->elevation_rad, focus = first->pad_rad;
     unsigned levels = first->level;
     while (last + 1 < end &&
            last[1].elevation_rad - last->elevation_rad < 2.0 * (last[1].pad_rad + last->pad_rad)) {
         last++;
         levels |= last->level;
+        focus += last->pad_rad;
         middle = last->level == MIDDLE ? last->elevation_rad : middle;
     }
     *aims = last + 1;
@@ -234,26 +239,58 @@ static bundle take_bundle(const aim **aims, size_t *count) {
     double least = first->elevation_rad - pad * first->pad_rad;
     double most = last->elevation_rad + pad * last->pad_rad;
     middle = levels == ALL_LEVELS && last - first + 1 == LEVELS ? middle : 0.5 * (least + most);
-    return (bundle){middle, fmin(fmax(most - middle, middle - least), 0.5 * ASDIC_PI)};
+    return (bundle){middle, fmin(fmax(most - middle, middle - least), 0.5 * ASDIC_PI), focus,
+                    (size_t)(last - first + 1)};
 }
 
-/* Adds to OUT, of COUNT, what is seen of BEST by the rays that come to it. */
-static void follow(const outlook *o, const candidate *best, candidate *out, unsigned *count) {
+/* What is seen of BEST by the rays of a bundle. */
+static candidate seen_by(const outlook *o, const candidate *best, const bundle *b) {
     const asdic_part *part = &o->parts[best->part];
     double x = part->center_m.x - o->position_m.x, y = part->center_m.y - o->position_m.y;
-    double across = hypot(x, y), least = fmax(across, 1e-9);
+    double level = cos(b->middle_rad) / fmax(hypot(x, y), 1e-9);
+    candidate c = *best;
+    c.sine = fmax(sin(b->half_rad), best->sine);
+    c.towards = (asdic_vec3){level * x, level * y, sin(b->middle_rad)};
+    c.score = score(&c, o, MARGIN * part->radius_m / best->sine);
+    return c;
+}
+
+/* The cones of a bundle, of which there is room for ROOM, to BRIGHT, of COUNT. */
+static void keep_bright(const outlook *o, const candidate *best, const bundle *b, bundle *bright,
+                        size_t *count, size_t room) {
+    bool is_fan = b->aims > FEW_AIMS;
+    double pieces = is_fan ? fmin(ceil(sin(b->half_rad) / best->sine), MOST_PIECES) : 1.0;
+    for (double k = 0.5; k < pieces; k++) {
+        double half = b->half_rad / pieces, middle = b->middle_rad + (2.0 * k - pieces) * half;
+        bundle piece = {middle, pieces > 1.0 ? hypot(half, best->sine) : half, b->focus / pieces,
+                        b->aims};
+        candidate c = seen_by(o, best, &piece);
+        if (c.sine <= WIDEST && c.score > 0.0) {
+            asdic_sort_keep(bright, count, room, &piece, sizeof piece, is_brighter);
+        }
+    }
+}
+
+/* Adds to OUT, of COUNT and at most MOST, what is seen of BEST by the rays that come to it: by the brightest bundles that there is room
+ * for, upper ones first. */
+static void follow(const outlook *o, const candidate *best, size_t most, candidate *out,
+                   size_t *count) {
+    const asdic_part *part = &o->parts[best->part];
+    double across = hypot(part->center_m.x - o->position_m.x, part->center_m.y - o->position_m.y);
     aim found[MOST_AIMS];
     const aim *aims = found;
     size_t aim_count = find_aims(o, best->way, part, across, found);
-    while (aim_count > 0 && *count < DEV_MAX_CONES) {
-        bundle b = take_bundle(&aims, &aim_count);
-        candidate c = *best;
-        double level = cos(b.middle_rad) / least;
-        c.sine = fmax(sin(b.half_rad), best->sine);
-        c.towards = (asdic_vec3){level * x, level * y, sin(b.middle_rad)};
-        if (c.sine <= WIDEST && score(&c, o, MARGIN * part->radius_m / best->sine) > 0.0) {
-            out[(*count)++] = c;
-        }
+    bundle bright[DEV_MAX_BUNDLES], ordered[DEV_MAX_BUNDLES];
+    size_t room = most - *count, kept = 0, placed = 0;
+    while (aim_count > 0 && room > 0) {
+        const bundle b = take_bundle(&aims, &aim_count);
+        keep_bright(o, best, &b, bright, &kept, room);
+    }
+    for (size_t i = 0; i < kept; i++) {
+        asdic_sort_keep(ordered, &placed, kept, &bright[i], sizeof *bright, leaves_higher);
+    }
+    for (size_t i = 0; i < placed; i++) {
+        out[(*count)++] = seen_by(o, best, &ordered[i]);
     }
 }
 
@@ -270,19 +307,20 @@ void asdic_cones_add(dev_ping *ping, asdic_vec3 towards, double sine, dev_uint r
 }
 
 /* Gives each of COUNT candidates its cone, with rays that the background has had. */
-static void place(const outlook *o, const candidate *best, unsigned count, dev_ping *ping) {
-    candidate seen[DEV_MAX_CONES];
+static void place(const outlook *o, const candidate *best, size_t count, size_t most,
+                  dev_ping *ping) {
+    candidate seen[DEV_MAX_BUNDLES];
     if (o->layered) {
-        unsigned seen_count = 0;
-        for (unsigned c = 0; c < count; c++) {
-            follow(o, &best[c], seen, &seen_count);
+        size_t seen_count = 0;
+        for (size_t c = 0; c < count; c++) {
+            follow(o, &best[c], most, seen, &seen_count);
         }
         best = seen;
         count = seen_count;
     }
-    double share = fmin(SHARE_ONE * sqrt(count), SHARE_MOST) / fmax(count, 1.0);
+    double share = fmin(SHARE_ONE * sqrt((double)count), SHARE_MOST) / fmax((double)count, 1.0);
     dev_uint each = (dev_uint)fmax(share * ping->batch.rays, 1.0);
-    for (unsigned c = 0; c < count; c++) {
+    for (size_t c = 0; c < count; c++) {
         asdic_cones_add(ping, best[c].towards, best[c].sine, each);
     }
 }
@@ -292,14 +330,14 @@ void asdic_cones_place(const asdic_part *parts, size_t part_count, asdic_vec3 po
                        dev_ping *ping) {
     bool layered = way_count > 0 && ways[0].layers.count > 1;
     const outlook o = {parts, part_count, position_m, beams, ping, layered};
-    candidate best[DEV_MAX_CONES];
-    unsigned count = 0;
+    candidate best[DEV_MAX_CONES] = {0};
+    size_t count = 0;
     ping->sampling.cones = 0;
     pick(&o, ways, best, &count);
-    place(&o, best, count, ping);
+    place(&o, best, count, DEV_MAX_BUNDLES, ping);
     count = 0;
     for (size_t w = 1; w < way_count; w++) {
         pick(&o, &ways[w], best, &count);
     }
-    place(&o, best, count, ping);
+    place(&o, best, count, DEV_MAX_CONES, ping);
 }

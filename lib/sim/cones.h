@@ -7,8 +7,8 @@
 #include "passage.h"
 
 /* The parts, at most DEV_MAX_CONES, that cones are for, to WITH_CONE; returns how many. */
-unsigned asdic_cones_pick(const asdic_part *parts, size_t part_count, asdic_vec3 position_m,
-                          const dev_beam *beams, const dev_ping *ping, size_t *with_cone);
+size_t asdic_cones_pick(const asdic_part *parts, size_t part_count, asdic_vec3 position_m,
+                        const dev_beam *beams, const dev_ping *ping, size_t *with_cone);
 
 /* Gives PING a cone, as wide as the SINE of its half-angle, and RAYS that the background has had. */
 void asdic_cones_add(dev_ping *ping, asdic_vec3 towards, double sine, dev_uint rays);

@@ -5,21 +5,25 @@
 
 #include <math.h>
 
-/* Elevations that are tried on a stretch between grazing rays: for the loudest rays, and for more, which near a channel's
- * axis lie dense. */
+/* Elevations that are tried on a stretch between grazing rays; and where more than FEW rays come so, as they do near a
+ * channel's axis, where they lie dense. */
 #define SEARCH 32
 #define FINE_SEARCH 128
+#define FEW 6
 /* What a ray may miss its end by, m. */
 #define MISS 1e-3
 /* What is nearer than this horizontally, m, lies straight above or below. */
 #define VERTICAL 1e-6
+/* Steps of Newton's method, before halving. */
+#define MOST_STEPS 12
 #define MOST_EDGES (2 * (ASDIC_MOST_LAYERS + 1) + 3)
 
 typedef struct search {
     const asdic_layers *layers;
     double from_m, to_m, across_m;
+    int steps; /* of a stretch */
     asdic_eigenray *found;
-    size_t most, count;
+    size_t count;
 } search;
 
 /* ---- One ray ---- */
@@ -82,34 +86,39 @@ static asdic_eigenray ray_of(const search *s, double elevation_rad) {
 
 /* ---- All rays ---- */
 
-/* Keeps the rays of the least spreading. */
-static void keep(search *s, const asdic_eigenray *ray) {
-    size_t at = s->count < s->most ? s->count++ : s->most;
-    double spread = asdic_bent_ray_spread_m2(&ray->end);
-    while (at > 0 && spread < asdic_bent_ray_spread_m2(&s->found[at - 1].end)) {
-        if (at < s->most) {
-            s->found[at] = s->found[at - 1];
-        }
-        at--;
-    }
-    if (at < s->most) {
-        s->found[at] = *ray;
-    }
+static bool spreads_less(const void *a, const void *b) {
+    return asdic_bent_ray_spread_m2(&((const asdic_eigenray *)a)->end) <
+           asdic_bent_ray_spread_m2(&((const asdic_eigenray *)b)->end);
 }
 
-/* Halves the stretch from A to B, whose rays pass the end on either side. */
+/* Halves the stretch from A to B, whose rays pass the end on either side. Where there are many, it follows the width of the
+ * tube from ray to ray, which is how depth changes with elevation, as long as that stays within the stretch. */
 static void close_in(search *s, asdic_eigenray a, asdic_eigenray b) {
     bool below = a.end.z_m > s->to_m;
     asdic_eigenray middle = a;
-    for (int i = 0; i < 80 && fabs(b.elevation_rad - a.elevation_rad) > 1e-16; i++) {
-        middle = ray_of(s, 0.5 * (a.elevation_rad + b.elevation_rad));
+    double next = 0.5 * (a.elevation_rad + b.elevation_rad), step = INFINITY;
+    for (int i = 0; i < 80 && fabs(step) > 1e-16; i++) {
+        if (!(fabs(b.elevation_rad - a.elevation_rad) > 1e-16)) {
+            break;
+        }
+        middle = ray_of(s, next);
         if (isnan(middle.end.z_m)) {
             return;
         }
         *((middle.end.z_m > s->to_m) == below ? &a : &b) = middle;
+        next = 0.5 * (a.elevation_rad + b.elevation_rad);
+        if (s->steps > SEARCH && i < MOST_STEPS) {
+            double cosine = sqrt((1.0 - middle.end.sine) * (1.0 + middle.end.sine));
+            double to = (s->to_m - middle.end.z_m) * cosine / middle.end.width_m;
+            double there = middle.elevation_rad + to;
+            bool within = (there - a.elevation_rad) * (there - b.elevation_rad) < 0.0;
+            next = within ? there : next;
+            step = within ? to : INFINITY;
+        }
     }
     if (fabs(middle.end.z_m - s->to_m) < MISS) {
-        keep(s, &middle);
+        asdic_sort_keep(s->found, &s->count, ASDIC_MOST_EIGENRAYS, &middle, sizeof middle,
+                        spreads_less);
     }
 }
 
@@ -132,10 +141,9 @@ static asdic_eigenray find_fold(const search *s, asdic_eigenray a, asdic_eigenra
  * two places at one depth of even water, lies between two stretches. */
 static asdic_eigenray look_along(search *s, asdic_eigenray before, double begin_rad,
                                  double end_rad) {
-    const int steps = s->most > ASDIC_MOST_EIGENRAYS ? FINE_SEARCH : SEARCH;
-    for (int i = 0; i <= steps; i++) {
+    for (int i = 0; i <= s->steps; i++) {
         /* Denser to the ends, where depth goes as the root of the distance, and just off them. */
-        double half = sin(0.5 * ASDIC_PI * i / steps), share = half * half;
+        double half = sin(0.5 * ASDIC_PI * i / s->steps), share = half * half;
         share = fmin(fmax(share, 1e-12), 1.0 - 1e-12);
         asdic_eigenray here = ray_of(s, begin_rad + share * (end_rad - begin_rad));
         if (!isnan(before.end.z_m) && !isnan(here.end.z_m)) {
@@ -172,28 +180,37 @@ static size_t find_edges(const search *s, double *edges) {
     return count;
 }
 
-size_t asdic_eigenrays_find_more(const asdic_layers *layers, double from_m, double to_m,
-                                 double across_m, size_t most, asdic_eigenray *found) {
-    search s = {layers, from_m, to_m, across_m, found, most, 0};
+static void look_everywhere(search *s, int steps) {
     double edges[MOST_EDGES];
+    size_t count = find_edges(s, edges);
+    asdic_eigenray last = {.end.z_m = NAN};
+    s->steps = steps;
+    s->count = 0;
+    for (size_t i = 0; i + 1 < count && (s->count <= FEW || steps > SEARCH); i++) {
+        if (edges[i + 1] - edges[i] > 1e-9) {
+            last = look_along(s, last, edges[i], edges[i + 1]);
+        }
+    }
+}
+
+size_t asdic_eigenrays_find(const asdic_layers *layers, double from_m, double to_m, double across_m,
+                            asdic_eigenray found[ASDIC_MOST_EIGENRAYS]) {
+    search s = {layers, from_m, to_m, across_m, SEARCH, found, 0};
     if (across_m < VERTICAL) {
         asdic_eigenray ray = ray_of(&s, copysign(0.5 * ASDIC_PI, to_m - from_m));
         found[0] = ray;
         return isnan(ray.end.z_m) || from_m == to_m ? 0 : 1;
     }
-    size_t count = find_edges(&s, edges);
-    asdic_eigenray last = {.end.z_m = NAN};
-    for (size_t i = 0; i + 1 < count; i++) {
-        if (edges[i + 1] - edges[i] > 1e-9) {
-            last = look_along(&s, last, edges[i], edges[i + 1]);
-        }
+    look_everywhere(&s, SEARCH);
+    if (s.count > FEW) {
+        look_everywhere(&s, FINE_SEARCH);
     }
     return s.count;
 }
 
-size_t asdic_eigenrays_find(const asdic_layers *layers, double from_m, double to_m, double across_m,
-                            asdic_eigenray found[ASDIC_MOST_EIGENRAYS]) {
-    return asdic_eigenrays_find_more(layers, from_m, to_m, across_m, ASDIC_MOST_EIGENRAYS, found);
+asdic_bent_ray asdic_eigenray_end(const asdic_layers *layers, double from_m, double across_m,
+                                  double elevation_rad) {
+    return march(layers, from_m, NAN, across_m, elevation_rad, NULL, NULL);
 }
 
 /* ---- Legs ---- */

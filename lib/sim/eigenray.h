@@ -11,8 +11,8 @@
 
 #include "bent_ray.h"
 
-/* Of more rays between two places those of the least spreading are kept: enough for what the loudest tell. */
-#define ASDIC_MOST_EIGENRAYS 6
+/* Of more rays between two places those of the least spreading are kept. */
+#define ASDIC_MOST_EIGENRAYS 128
 /* Legs of one ray, at most. */
 #define ASDIC_MOST_EIGENRAY_LEGS 256
 
@@ -21,13 +21,13 @@ typedef struct asdic_eigenray {
     asdic_bent_ray end;
 } asdic_eigenray;
 
-/* Rays from FROM_M deep to TO_M deep, ACROSS_M away horizontally; returns how many. */
+/* Rays from FROM_M deep to TO_M deep, ACROSS_M away horizontally, that of the least spreading first; returns how many. */
 size_t asdic_eigenrays_find(const asdic_layers *layers, double from_m, double to_m, double across_m,
                             asdic_eigenray found[ASDIC_MOST_EIGENRAYS]);
 
-/* The same of MOST rays, more than that. */
-size_t asdic_eigenrays_find_more(const asdic_layers *layers, double from_m, double to_m,
-                                 double across_m, size_t most, asdic_eigenray *found);
+/* The ray of ELEVATION_RAD where it is ACROSS_M away, more than a micrometre; NAN deep if it never comes there. */
+asdic_bent_ray asdic_eigenray_end(const asdic_layers *layers, double from_m, double across_m,
+                                  double elevation_rad);
 
 /* Where a leg of a ray ends, in layer LAYER; it begins where the one before ends. */
 typedef struct asdic_eigenray_leg {

@@ -121,8 +121,8 @@ static view look(const asdic_eye *e, const dev_triangle *t, const asdic_part *pa
 static void find_coned(const asdic_placement *placement, asdic_vec3 position_m, const asdic_eye *e,
                        bool *coned) {
     size_t with_cone[DEV_MAX_CONES];
-    unsigned cones = asdic_cones_pick(placement->parts, placement->scene->part_count, position_m,
-                                      e->aimed, e->ping, with_cone);
+    size_t cones = asdic_cones_pick(placement->parts, placement->scene->part_count, position_m,
+                                    e->aimed, e->ping, with_cone);
     for (unsigned c = 0; c < cones; c++) {
         coned[with_cone[c]] = true;
     }

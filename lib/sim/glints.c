@@ -2,6 +2,7 @@
 
 #include "aim.h"
 #include "base/context.h"
+#include "base/sort.h"
 #include "base/vec.h"
 #include "cones.h"
 #include "eigenray.h"
@@ -24,6 +25,8 @@
 #define MOST_TRIANGLES 65536
 /* Bodies that are looked at, in all pairs. */
 #define MOST_BODIES 8
+/* Ways through layers to one glint that get rays. */
+#define MOST_WAYS 6
 /* A facet smaller than this part of both ways is no such spot where it leans farther than by this cosine. */
 #define SMALL 0.1
 #define LEAST_FACING 0.95
@@ -378,18 +381,8 @@ static bool find_glint(const looking *l, size_t mirror, size_t target, bool retu
     return g->score > 0.0;
 }
 
-/* Keeps G if it is among the loudest. */
-static void keep(asdic_glints *glints, const asdic_glint *g) {
-    size_t at = glints->count < DEV_MAX_CONES ? glints->count++ : DEV_MAX_CONES;
-    while (at > 0 && g->score > glints->glint[at - 1].score) {
-        if (at < DEV_MAX_CONES) {
-            glints->glint[at] = glints->glint[at - 1];
-        }
-        at--;
-    }
-    if (at < DEV_MAX_CONES) {
-        glints->glint[at] = *g;
-    }
+static bool is_louder(const void *a, const void *b) {
+    return ((const asdic_glint *)a)->score > ((const asdic_glint *)b)->score;
 }
 
 /* Whether a part is a body that mirrors or glints at all. */
@@ -399,39 +392,38 @@ static bool may_glint(const looking *l, size_t part) {
            s->device.law == DEV_LAW_FACET && l->end[part] - l->first[part] <= MOST_TRIANGLES;
 }
 
+typedef struct body {
+    size_t part;
+    double size;
+} body;
+
+static bool looks_larger(const void *a, const void *b) {
+    return ((const body *)a)->size > ((const body *)b)->size;
+}
+
 /* The bodies that look largest of those that may glint, within range; returns how many. */
-static size_t pick_bodies(const looking *l, size_t bodies[MOST_BODIES]) {
-    double sizes[MOST_BODIES];
+static size_t pick_bodies(const looking *l, body bodies[MOST_BODIES]) {
     size_t count = 0;
     for (size_t i = 0; i < l->placement->scene->part_count; i++) {
         const asdic_part *part = &l->placement->parts[i];
         double distance = asdic_vec3_length(asdic_vec3_sub(part->center_m, l->from_m));
-        double size = part->radius_m / fmax(distance, 1e-9);
+        const body seen = {i, part->radius_m / fmax(distance, 1e-9)};
         if (!may_glint(l, i) || distance - part->radius_m > l->eye->ping->range_m) {
             continue;
         }
-        size_t at = count < MOST_BODIES ? count++ : MOST_BODIES;
-        for (; at > 0 && size > sizes[at - 1]; at--) {
-            if (at < MOST_BODIES) {
-                sizes[at] = sizes[at - 1];
-                bodies[at] = bodies[at - 1];
-            }
-        }
-        if (at < MOST_BODIES) {
-            sizes[at] = size;
-            bodies[at] = i;
-        }
+        asdic_sort_keep(bodies, &count, MOST_BODIES, &seen, sizeof seen, looks_larger);
     }
     return count;
 }
 
 static void find_all(asdic_glints *glints, const looking *l) {
-    size_t bodies[MOST_BODIES], count = pick_bodies(l, bodies);
+    body bodies[MOST_BODIES];
+    size_t count = pick_bodies(l, bodies);
     for (size_t k = 0; k < 2 * count * count; k++) {
-        size_t mirror = bodies[k / 2 / count], target = bodies[k / 2 % count];
+        size_t mirror = bodies[k / 2 / count].part, target = bodies[k / 2 % count].part;
         asdic_glint g;
         if (mirror != target && find_glint(l, mirror, target, k % 2 != 0, &g)) {
-            keep(glints, &g);
+            asdic_sort_keep(glints->glint, &glints->count, DEV_MAX_CONES, &g, sizeof g, is_louder);
         }
     }
 }
@@ -457,7 +449,7 @@ asdic_status asdic_glints_find(asdic_glints *glints, const asdic_placement *plac
 
 /* The directions of the rays that come APART from the sonar by WAY, which is straight; returns how many. */
 static size_t find_ways(const dev_ping *ping, const asdic_passage *way, double from_m,
-                        asdic_vec3 apart, asdic_vec3 towards[ASDIC_MOST_EIGENRAYS]) {
+                        asdic_vec3 apart, asdic_vec3 towards[MOST_WAYS]) {
     if (way->layers.count <= 1) {
         triple u = asdic_sonar_ray(ping, apart, 0.0).r.u;
         towards[0] = (asdic_vec3){u.x, u.y, u.z};
@@ -466,6 +458,7 @@ static size_t find_ways(const dev_ping *ping, const asdic_passage *way, double f
     asdic_eigenray rays[ASDIC_MOST_EIGENRAYS];
     double level = hypot(apart.x, apart.y), least = fmax(level, 1e-9);
     size_t count = asdic_eigenrays_find(&way->layers, from_m, from_m + apart.z, level, rays);
+    count = count < MOST_WAYS ? count : MOST_WAYS;
     for (size_t i = 0; i < count; i++) {
         double flat = cos(rays[i].elevation_rad) / least;
         towards[i] = (asdic_vec3){flat * apart.x, flat * apart.y, sin(rays[i].elevation_rad)};
@@ -476,16 +469,17 @@ static size_t find_ways(const dev_ping *ping, const asdic_passage *way, double f
 void asdic_glints_place(const asdic_glints *glints, const asdic_part *parts, asdic_vec3 position_m,
                         const asdic_passage *way, dev_ping *ping) {
     dev_uint each = (dev_uint)(SHARE * ping->batch.rays);
+    size_t room = way->layers.count > 1 ? DEV_CONES : 2 * DEV_MAX_CONES;
     for (size_t k = 0; k < glints->count && each > 0; k++) {
         const asdic_glint *g = &glints->glint[k];
         sighting s;
         if (!sight(g, parts, position_m, &s)) {
             continue;
         }
-        asdic_vec3 towards[ASDIC_MOST_EIGENRAYS];
+        asdic_vec3 towards[MOST_WAYS];
         size_t count =
             find_ways(ping, way, position_m.z, asdic_vec3_sub(s.at.mirror_m, position_m), towards);
-        for (size_t i = 0; i < count && ping->sampling.cones < 2 * DEV_MAX_CONES; i++) {
+        for (size_t i = 0; i < count && ping->sampling.cones < room; i++) {
             asdic_cones_add(ping, towards[i], fmin(reach_of(g, &s), WIDEST), each);
         }
     }

@@ -39,3 +39,32 @@ size_t asdic_passages_find(const asdic_simulator *sim, double from_m,
 double asdic_passage_depth_m(const asdic_passage *way, double z_m) {
     return way->mirror ? 2.0 * way->plane_m - z_m : z_m;
 }
+
+size_t asdic_passage_rays(const asdic_passage *way, double from_m, double to_m, double across_m,
+                          asdic_eigenray rays[ASDIC_MOST_EIGENRAYS]) {
+    size_t found = asdic_eigenrays_find(&way->layers, from_m, to_m, across_m, rays), kept = 0;
+    for (size_t i = 0; i < found; i++) {
+        if (asdic_eigenray_keeps_between(&way->layers, from_m, across_m, &rays[i], way->top_m,
+                                         way->bottom_m)) {
+            rays[kept++] = rays[i];
+        }
+    }
+    return kept;
+}
+
+/* On a channel's axis the number of rays grows without limit as they swing less; of those that swing by less than a
+ * wavelength to either side sound knows nothing: beside a parabolic equation (tests/cli/test_cast.py) the others give the
+ * level of a point there within 2 dB. Where there are no others, the one of the least spreading stands for all. */
+#define LEAST_SWING_WL 2.0
+
+size_t asdic_passage_waves(const asdic_passage *way, double from_m, double across_m,
+                           double wavelength_m, asdic_eigenray *rays, size_t count) {
+    size_t kept = 0;
+    for (size_t i = 0; i < count; i++) {
+        if (asdic_eigenray_swing_m(&way->layers, from_m, across_m, &rays[i]) >=
+            LEAST_SWING_WL * wavelength_m) {
+            rays[kept++] = rays[i];
+        }
+    }
+    return kept == 0 && count > 0 ? 1 : kept;
+}

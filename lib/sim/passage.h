@@ -5,7 +5,7 @@
 #ifndef ASDIC_SIM_PASSAGE_H
 #define ASDIC_SIM_PASSAGE_H
 
-#include "layers.h"
+#include "eigenray.h"
 #include "simulator.h"
 
 /* The water that rays meet on their way, and the planes between which they keep. By way of a plane
@@ -30,5 +30,14 @@ size_t asdic_passages_find(const asdic_simulator *sim, double from_m,
 
 /* How deep what lies Z_M deep is for rays that take WAY. */
 double asdic_passage_depth_m(const asdic_passage *way, double z_m);
+
+/* The rays by WAY from FROM_M deep to TO_M deep (asdic_passage_depth_m), ACROSS_M away, that of the least spreading first;
+ * returns how many. */
+size_t asdic_passage_rays(const asdic_passage *way, double from_m, double to_m, double across_m,
+                          asdic_eigenray rays[ASDIC_MOST_EIGENRAYS]);
+
+/* Leaves of COUNT of them those that sound of WAVELENGTH_M tells apart; returns how many. */
+size_t asdic_passage_waves(const asdic_passage *way, double from_m, double across_m,
+                           double wavelength_m, asdic_eigenray *rays, size_t count);
 
 #endif

@@ -3,7 +3,6 @@
 #include "base/context.h"
 #include "base/try.h"
 #include "base/vec.h"
-#include "eigenray.h"
 #include "passage.h"
 #include "ring.h"
 #include "scene/scene.h"
@@ -19,12 +18,6 @@
 #define SHORT_OF_POINT 0.9999
 /* A point at the sonar itself, m, is not heard. */
 #define NEAREST 1e-9
-
-/* Rays to a point. On a channel's axis their number grows without limit as they swing less; of those that swing by less
- * than a wavelength to either side sound knows nothing: beside a parabolic equation (tests/cli/test_cast.py) the others
- * give the level of a point there within 2 dB. */
-#define MOST_RAYS 128
-#define LEAST_SWING_WL 2.0
 
 /* A way from the sonar to a point, and what of its rays is traced. */
 struct asdic_point_path {
@@ -170,36 +163,20 @@ static double mirrored(const asdic_passage *p, const asdic_eigenray *found) {
                                               sqrt(fmax((1.0 - cosine) * (1.0 + cosine), 0.0)));
 }
 
-/* Leaves of COUNT rays those that are waves of their own; of others alone the one of the least spreading. */
-static size_t take_resolved(const asdic_passage *p, double from_m, double across_m,
-                            double wavelength_m, asdic_eigenray *rays, size_t count) {
-    size_t kept = 0;
-    for (size_t i = 0; i < count; i++) {
-        if (asdic_eigenray_swing_m(&p->layers, from_m, across_m, &rays[i]) >=
-            LEAST_SWING_WL * wavelength_m) {
-            rays[kept++] = rays[i];
-        }
-    }
-    return kept == 0 && count > 0 ? 1 : kept;
-}
-
 static asdic_status add_eigenrays(asdic_simulator *sim, const asdic_passage *p, size_t nth,
                                   const asdic_ping_shot *shot) {
     const asdic_vec3 from = shot->pose.position_m, to = sim->placement->points[nth].position_m;
     double x = to.x - from.x, y = to.y - from.y, across = hypot(x, y);
     asdic_vec3 level = {across > 0.0 ? x / across : 1.0, across > 0.0 ? y / across : 0.0, 0.0};
     double minus_2k = -2.0 * shot->water.absorption_np_per_m;
-    asdic_eigenray rays[MOST_RAYS];
-    size_t count = asdic_eigenrays_find_more(&p->layers, from.z, asdic_passage_depth_m(p, to.z),
-                                             across, MOST_RAYS, rays);
-    count = take_resolved(p, from.z, across, shot->water.wavelength_m, rays, count);
+    asdic_eigenray rays[ASDIC_MOST_EIGENRAYS];
+    size_t count = asdic_passage_rays(p, from.z, asdic_passage_depth_m(p, to.z), across, rays);
+    count = asdic_passage_waves(p, from.z, across, shot->water.wavelength_m, rays, count);
     for (size_t i = 0; i < count; i++) {
         const asdic_eigenray *found = &rays[i];
         double range = shot->water.sound_speed_mps * found->end.time_s;
         double spread = asdic_bent_ray_limited_m2(&found->end, range);
-        if (!asdic_eigenray_keeps_between(&p->layers, from.z, across, found, p->top_m,
-                                          p->bottom_m) ||
-            !(range > NEAREST)) {
+        if (!(range > NEAREST)) {
             continue;
         }
         asdic_eigenray_leg legs[ASDIC_MOST_EIGENRAY_LEGS];

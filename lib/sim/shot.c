@@ -10,6 +10,7 @@
 #include "base/vec.h"
 #include "cones.h"
 #include "deposit_scale.h"
+#include "pairs.h"
 #include "passage.h"
 #include "scene/scene.h"
 #include "sonar_ray.h"
@@ -132,14 +133,20 @@ static void place_faces(const asdic_simulator *sim, dev_ping *ping) {
 }
 
 /* Objects, and their images in planes that mirror. */
-static void place_cones(const asdic_simulator *sim, asdic_ping_shot *shot) {
+static void place_objects(const asdic_simulator *sim, asdic_ping_shot *shot) {
     asdic_passage ways[ASDIC_MOST_PASSAGES];
-    size_t parts = sim->setup.scene->part_count;
-    size_t count = parts > 0 ? asdic_passages_find(sim, shot->pose.position_m.z, ways) : 0;
-    asdic_cones_place(sim->placement->parts, parts, shot->pose.position_m, asdic_shot_beams(shot),
-                      ways, count, shot->ping);
-    asdic_glints_place(&sim->learnt.glints, sim->placement->parts, shot->pose.position_m, ways,
-                       shot->ping);
+    const asdic_part *parts = sim->placement->parts;
+    const asdic_vec3 from_m = shot->pose.position_m;
+    const dev_beam *beams = asdic_shot_beams(shot);
+    size_t count = sim->setup.scene->part_count;
+    size_t way_count = count > 0 ? asdic_passages_find(sim, from_m.z, ways) : 0;
+    if (way_count > 0) {
+        asdic_pairs_place(parts, count, from_m, beams, ways, shot->ping);
+    }
+    if (shot->ping->sampling.sampler == DEV_SAMPLER_ADAPTIVE) {
+        asdic_cones_place(parts, count, from_m, beams, ways, way_count, shot->ping);
+        asdic_glints_place(&sim->learnt.glints, parts, from_m, ways, shot->ping);
+    }
 }
 
 static dev_uint sampler_code(asdic_sampler sampler) {
@@ -308,8 +315,8 @@ void asdic_shot_aim(const asdic_simulator *sim, asdic_ping_shot *shot, const asd
     ping->sampling.cones = ping->sampling.face_count = 0;
     if (ping->sampling.sampler == DEV_SAMPLER_ADAPTIVE) {
         place_faces(sim, ping);
-        place_cones(sim, shot);
     }
+    place_objects(sim, shot);
     place_zones(sim, pose, ping);
     place_lattice(ping, stream);
 }
