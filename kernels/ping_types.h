@@ -25,7 +25,7 @@
 #define DEV_MAX_LOBES 12
 /* A lobe's scale far beyond any window: evenly spread. */
 #define DEV_EVEN_SCALE 1e4f
-#define DEV_MAX_CONES 8    /* at objects, and as many at their images and at glints */
+#define DEV_MAX_CONES 8    /* at objects, as many at their images, and at glints */
 #define DEV_MAX_BUNDLES 32 /* cones at objects through layers */
 #define DEV_CONES (DEV_MAX_BUNDLES + DEV_MAX_CONES)
 /* Of the learnt table, see learnt.h; powers of two. */
@@ -74,8 +74,9 @@ typedef struct dev_lobe {
  * from ray FIRST on; adaptive sampler only. */
 typedef struct dev_cone {
     float rows[9]; /* world to cone: the third row points at the centre */
-    float cap;     /* 1 - cos(half-angle) */
-    float splat;   /* as ray_sample */
+    float chord
+        [2]; /* of the half-angles along the first row and the second, in a sphere of radius 1 */
+    float splat; /* as ray_sample */
     dev_uint first, count;
 } dev_cone;
 

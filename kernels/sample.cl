@@ -85,9 +85,12 @@ static void add_objects(__global const dev_ping *ping, const sampler_store *stor
         mask here = drawn_by(ping->sampling.cone + c, index);
         if (any_true(here)) {
             natural j = index - ping->sampling.cone[c].first;
-            real xi1 = (to_real(j) + (real)(ping->sampling.lattice_offset)) /
-                       (real)((float)(ping->sampling.cone[c].count));
             natural golden = j * (natural)(2654435769u) + (natural)(ping->sampling.lattice_shift);
+            /* Where an echo falls off from the middle, rays that all lay as far out in their rings would err alike: each
+             * lies elsewhere in its own, by the plastic number, whose steps keep clear of the golden one's. */
+            natural plastic = j * (natural)(2447445413u) + (natural)(ping->sampling.lattice_shift);
+            real xi1 = (to_real(j) + random_uniform(plastic)) /
+                       (real)((float)(ping->sampling.cone[c].count));
             ray_sample own =
                 sample_cone(ping->sampling.cone + c, r_min(xi1, R(1.0)), random_uniform(golden));
             s->x = choose(here, own.x, s->x);
@@ -106,7 +109,7 @@ static void add_objects(__global const dev_ping *ping, const sampler_store *stor
     for (uint c = 0; c < ping->sampling.cones; c++) {
         __global const dev_cone *cone = ping->sampling.cone + c;
         mask inside = in_cone(cone, s->x, s->y, s->z) | drawn_by(cone, index);
-        real own = (real)((float)(cone->count)) / (R(2.0) * R_PI * (real)(cone->cap));
+        real own = (real)((float)(cone->count)) / (R_PI * (real)(cone->chord[0] * cone->chord[1]));
         rays += choose(inside, own, R(0.0));
     }
     s->solid_angle = R(1.0) / rays;

@@ -465,16 +465,20 @@ FORMULA real lobe_sample(const azimuth_lobe *a, real xi, real limit) {
  * before.
  */
 
-/* A direction uniform in solid angle within the cone. */
+/* A direction uniform in solid angle within the cone, whose section is an ellipse where chords to its axis are as long
+ * as in a plane (Lambert's azimuthal projection, which keeps areas). */
 FORMULA ray_sample sample_cone(LOBE_SPACE const dev_cone *cone, real xi1, real xi2) {
-    real drop = (real)(cone->cap) * xi1; /* 1 - cos of the angle to the axis */
-    real across = sqrt(drop * (R(2.0) - drop)), along = R(1.0) - drop;
-    real vx = across * cos(R(2.0) * R_PI * xi2), vy = across * sin(R(2.0) * R_PI * xi2);
+    real wide = (real)(cone->chord[0]), high = (real)(cone->chord[1]), out = sqrt(xi1);
+    real vx = wide * out * cos(R(2.0) * R_PI * xi2), vy = high * out * sin(R(2.0) * R_PI * xi2);
+    real drop = R(0.5) * (vx * vx + vy * vy); /* 1 - cos of the angle to the axis */
+    real across = sqrt(R(1.0) - R(0.5) * drop), along = R(1.0) - drop;
+    vx *= across;
+    vy *= across;
     ray_sample s;
     s.x = cone->rows[0] * vx + cone->rows[3] * vy + cone->rows[6] * along;
     s.y = cone->rows[1] * vx + cone->rows[4] * vy + cone->rows[7] * along;
     s.z = cone->rows[2] * vx + cone->rows[5] * vy + cone->rows[8] * along;
-    s.solid_angle = R(2.0) * R_PI * (real)(cone->cap) / (real)((float)(cone->count));
+    s.solid_angle = R_PI * wide * high / (real)((float)(cone->count));
     s.splat = (real)(cone->splat);
     return s;
 }
@@ -483,7 +487,10 @@ FORMULA ray_sample sample_cone(LOBE_SPACE const dev_cone *cone, real xi1, real x
  * in single precision, one minus a cosine would lose narrow cones. */
 FORMULA mask in_cone(LOBE_SPACE const dev_cone *cone, real x, real y, real z) {
     real dx = x - cone->rows[6], dy = y - cone->rows[7], dz = z - cone->rows[8];
-    return dx * dx + dy * dy + dz * dz <= (real)(2.0f * cone->cap);
+    real wide = (cone->rows[0] * dx + cone->rows[1] * dy + cone->rows[2] * dz) / cone->chord[0];
+    real high = (cone->rows[3] * dx + cone->rows[4] * dy + cone->rows[5] * dz) / cone->chord[1];
+    real drop = R(0.5) * (dx * dx + dy * dy + dz * dz);
+    return wide * wide + high * high < R(1.0) - R(0.5) * drop;
 }
 
 #endif

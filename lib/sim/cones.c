@@ -148,10 +148,12 @@ size_t asdic_cones_pick(const asdic_part *parts, size_t part_count, asdic_vec3 p
     return count;
 }
 
-/* Any two axes across the direction, and that. */
-static void fill_rows(asdic_vec3 w, float rows[9]) {
+/* The axis across the direction W next to WIDE, that across both, and W. */
+static void fill_rows(asdic_vec3 w, asdic_vec3 wide, float rows[9]) {
     asdic_vec3 axes[3] = {[2] = w};
-    asdic_vec3_across(w, axes);
+    axes[0] = asdic_vec3_sub(wide, asdic_vec3_scale(w, asdic_vec3_dot(wide, w)));
+    axes[0] = asdic_vec3_scale(axes[0], 1.0 / asdic_vec3_length(axes[0]));
+    axes[1] = asdic_vec3_cross(w, axes[0]);
     for (int i = 0; i < 3; i++) {
         rows[3 * i] = (float)axes[i].x;
         rows[3 * i + 1] = (float)axes[i].y;
@@ -296,12 +298,15 @@ static void follow(const outlook *o, const candidate *best, size_t most, candida
 
 /* ---- Rays ---- */
 
-void asdic_cones_add(dev_ping *ping, asdic_vec3 towards, double sine, dev_uint rays) {
+void asdic_cones_add(dev_ping *ping, asdic_vec3 towards, asdic_vec3 wide, double narrow,
+                     dev_uint rays) {
     dev_cone *cone = &ping->sampling.cone[ping->sampling.cones++];
-    fill_rows(towards, cone->rows);
-    cone->cap = (float)(sine * sine / (1.0 + sqrt((1.0 - sine) * (1.0 + sine))));
+    double half_rad = asin(asdic_vec3_length(wide));
+    fill_rows(towards, wide, cone->rows);
+    cone->chord[0] = (float)(2.0 * sin(0.5 * half_rad));
+    cone->chord[1] = (float)(2.0 * sin(0.5 * asin(narrow)));
     /* Its rays cover twice the half-angle of elevation, see sample_adaptive. */
-    cone->splat = (float)(4.0 * 2.0 * asin(sine) / rays);
+    cone->splat = (float)(4.0 * 2.0 * half_rad / rays);
     cone->first = ping->sampling.background -= rays;
     cone->count = rays;
 }
@@ -321,7 +326,10 @@ static void place(const outlook *o, const candidate *best, size_t count, size_t 
     double share = fmin(SHARE_ONE * sqrt((double)count), SHARE_MOST) / fmax((double)count, 1.0);
     dev_uint each = (dev_uint)fmax(share * ping->batch.rays, 1.0);
     for (size_t c = 0; c < count; c++) {
-        asdic_cones_add(ping, best[c].towards, best[c].sine, each);
+        asdic_vec3 axes[2];
+        asdic_vec3_across(best[c].towards, axes);
+        asdic_cones_add(ping, best[c].towards, asdic_vec3_scale(axes[0], best[c].sine),
+                        best[c].sine, each);
     }
 }
 

@@ -10,8 +10,10 @@
 size_t asdic_cones_pick(const asdic_part *parts, size_t part_count, asdic_vec3 position_m,
                         const dev_beam *beams, const dev_ping *ping, size_t *with_cone);
 
-/* Gives PING a cone, as wide as the SINE of its half-angle, and RAYS that the background has had. */
-void asdic_cones_add(dev_ping *ping, asdic_vec3 towards, double sine, dev_uint rays);
+/* Gives PING a cone, and RAYS that the background has had. WIDE, across its axis, is as long as the sine of the half-angle
+ * there; NARROW is that across both, at most as long. */
+void asdic_cones_add(dev_ping *ping, asdic_vec3 towards, asdic_vec3 wide, double narrow,
+                     dev_uint rays);
 
 /* Gives PING, whose background, range and rear gain are set, its cones, seen from POSITION_M with
  * BEAMS (transmitter first), and takes their rays from the background: at objects, and at their

@@ -13,7 +13,8 @@
 
 #include <stdlib.h>
 
-/* Share of the rays for one glint. */
+/* Share of the rays for a body's own glint, a ninth of which meets the middle of its lobe; for one between two. */
+#define OWN_SHARE 0.01
 #define SHARE 0.005
 /* Sine of a cone's half-angle, at most. */
 #define WIDEST 0.3
@@ -21,9 +22,9 @@
  * bounding sphere, the body's cone has rays enough. */
 #define LOBES 3.0
 #define WIDE 0.3
-/* Bodies of more triangles are heaps or wrecks, whose many glints are met by chance. */
+/* Of bodies with more triangles glints between two are not looked for, which takes long: these are met by chance. */
 #define MOST_TRIANGLES 65536
-/* Bodies that are looked at, in all pairs. */
+/* Bodies that are looked at, each alone and in all pairs. */
 #define MOST_BODIES 8
 /* Ways through layers to one glint that get rays. */
 #define MOST_WAYS 6
@@ -56,21 +57,25 @@ static asdic_vec3 stepped(asdic_vec3 v, double step, asdic_vec3 d) {
 
 /* ---- Rays over spots ---- */
 
-/* Where the ray from FROM along U meets the spot's osculating paraboloid, and the normal there; false: nowhere. */
+/* How the normal of the spot's quadric turns from its middle to X from there. The normal's own curvature, the larger of
+ * both others, makes that of a ball a ball and that of a tube a tube. */
+static asdic_vec3 turn_of(const asdic_spot *s, asdic_vec3 x) {
+    double a = asdic_vec3_dot(s->axes[0], x), b = asdic_vec3_dot(s->axes[1], x);
+    asdic_vec3 turn = asdic_vec3_scale(s->normal, s->steepest * asdic_vec3_dot(s->normal, x));
+    turn = stepped(turn, s->bend[0] * a + s->bend[1] * b, s->axes[0]);
+    return stepped(turn, s->bend[1] * a + s->bend[2] * b, s->axes[1]);
+}
+
+/* Where the ray from FROM along U meets the spot's osculating quadric, and the normal there; false: nowhere. */
 static bool meet(const asdic_spot *s, const asdic_part *parts, asdic_vec3 from, asdic_vec3 u,
                  asdic_vec3 *at, asdic_vec3 *normal) {
     asdic_vec3 middle = asdic_vec3_add(parts[s->part].center_m, s->offset_m);
     asdic_vec3 begin = asdic_vec3_sub(from, middle);
     double t = -asdic_vec3_dot(s->normal, begin) / asdic_vec3_dot(s->normal, u), rest = 0.0;
-    double a = 0.0, b = 0.0, turn[2] = {0.0, 0.0};
     for (int i = 0; i < NEWTON; i++) {
-        asdic_vec3 x = stepped(begin, t, u);
-        a = asdic_vec3_dot(s->axes[0], x);
-        b = asdic_vec3_dot(s->axes[1], x);
-        turn[0] = s->bend[0] * a + s->bend[1] * b;
-        turn[1] = s->bend[1] * a + s->bend[2] * b;
-        rest = asdic_vec3_dot(s->normal, x) + 0.5 * (turn[0] * a + turn[1] * b);
-        *normal = stepped(stepped(s->normal, turn[0], s->axes[0]), turn[1], s->axes[1]);
+        asdic_vec3 x = stepped(begin, t, u), turn = turn_of(s, x);
+        rest = asdic_vec3_dot(s->normal, x) + 0.5 * asdic_vec3_dot(turn, x);
+        *normal = asdic_vec3_add(s->normal, turn);
         t -= rest / asdic_vec3_dot(*normal, u);
     }
     *normal = unit(*normal);
@@ -84,12 +89,14 @@ static void settle(const asdic_spot *s, const asdic_part *parts, asdic_vec3 from
     asdic_vec3 middle = asdic_vec3_add(parts[s->part].center_m, s->offset_m);
     double a = 0.0, b = 0.0;
     for (int i = 0; i < SETTLING; i++) {
-        double turn[2] = {s->bend[0] * a + s->bend[1] * b, s->bend[1] * a + s->bend[2] * b};
-        *at = stepped(stepped(middle, a, s->axes[0]), b, s->axes[1]);
-        *at = stepped(*at, -0.5 * (turn[0] * a + turn[1] * b), s->normal);
+        asdic_vec3 across = stepped(asdic_vec3_scale(s->axes[0], a), b, s->axes[1]);
+        double rise = asdic_vec3_dot(turn_of(s, across), across);
+        rise /= 1.0 + sqrt(fmax(1.0 - s->steepest * rise, 0.0));
+        across = stepped(across, -rise, s->normal);
+        *at = asdic_vec3_add(middle, across);
         asdic_vec3 x = asdic_vec3_sub(from, *at), y = asdic_vec3_sub(to, *at);
-        asdic_vec3 off = stepped(stepped(s->normal, turn[0], s->axes[0]), turn[1], s->axes[1]);
-        off = asdic_vec3_sub(unit(asdic_vec3_add(unit(x), unit(y))), unit(off));
+        asdic_vec3 off = unit(asdic_vec3_add(s->normal, turn_of(s, across)));
+        off = asdic_vec3_sub(unit(asdic_vec3_add(unit(x), unit(y))), off);
         double along = asdic_vec3_dot(off, s->axes[0]), aside = asdic_vec3_dot(off, s->axes[1]);
         double near = 0.5 / asdic_vec3_length(x) + 0.5 / asdic_vec3_length(y);
         double first = s->bend[0] + near, last = s->bend[2] + near;
@@ -100,7 +107,7 @@ static void settle(const asdic_spot *s, const asdic_part *parts, asdic_vec3 from
 }
 
 /* A ray over both spots: where it meets them, the cosine of its incidence on the mirror, and how far the target's normal is
- * off the middle between its ways in and out, along the target's axes. */
+ * off the middle between its ways in and out, along the target's axes. Of a straight one both are the target's. */
 typedef struct passing {
     asdic_vec3 mirror_m, target_m, arriving;
     double cosine, off[2];
@@ -108,14 +115,17 @@ typedef struct passing {
 
 static bool pass(const asdic_glint *g, const asdic_part *parts, asdic_vec3 from, asdic_vec3 u,
                  passing *p) {
-    asdic_vec3 n, m;
-    if (!meet(&g->mirror, parts, from, u, &p->mirror_m, &n)) {
+    asdic_vec3 m, v = u;
+    if (!meet(&g->mirror, parts, from, u, &p->mirror_m, &m)) {
         return false;
     }
-    p->cosine = -asdic_vec3_dot(u, n);
-    asdic_vec3 v = stepped(u, 2.0 * p->cosine, n);
-    if (!meet(&g->target, parts, p->mirror_m, v, &p->target_m, &m)) {
-        return false;
+    p->cosine = -asdic_vec3_dot(u, m);
+    p->target_m = p->mirror_m;
+    if (!g->straight) {
+        v = stepped(u, 2.0 * p->cosine, m);
+        if (!meet(&g->target, parts, p->mirror_m, v, &p->target_m, &m)) {
+            return false;
+        }
     }
     p->arriving = v;
     asdic_vec3 back =
@@ -194,14 +204,33 @@ static bool sight(const asdic_glint *g, const asdic_part *parts, asdic_vec3 posi
     return hypot(s->at.off[0], s->at.off[1]) < CLOSE * sqrt(g->slope_ms);
 }
 
-/* Sine of the angle from the glint to where the target's lobe ends. */
-static double reach_of(const asdic_glint *g, const sighting *s) {
-    double sum = 0.0, all = determinant(s);
-    for (int k = 0; k < 4; k++) {
-        sum += s->by[k / 2][k % 2] * s->by[k / 2][k % 2];
-    }
-    double least = 0.5 * (sum - sqrt(fmax(sum * sum - 4.0 * all * all, 0.0)));
-    return LOBES * sqrt(g->slope_ms / fmax(least, 1e-12));
+/* How far the target's lobe reaches from the glint in directions of the sonar's rays: an ellipse, its half-axes sines. */
+typedef struct lobe {
+    asdic_vec3 wide;
+    double narrow;
+} lobe;
+
+/* The lobe of S, seen FROM; false: it lies aside of the body, which ends before. */
+static bool find_lobe(const asdic_glint *g, const asdic_part *parts, asdic_vec3 from,
+                      const sighting *s, lobe *out) {
+    double xx = s->by[0][0] * s->by[0][0] + s->by[0][1] * s->by[0][1];
+    double yy = s->by[1][0] * s->by[1][0] + s->by[1][1] * s->by[1][1];
+    double xy = s->by[0][0] * s->by[1][0] + s->by[0][1] * s->by[1][1];
+    double most = 0.5 * (xx + yy) + hypot(0.5 * (xx - yy), xy), off = LOBES * sqrt(g->slope_ms);
+    double turn = 0.5 * atan2(2.0 * xy, xx - yy); /* to the narrow axis */
+    double reach = off * sqrt(most) / fmax(fabs(determinant(s)), 1e-9);
+    const asdic_part *body = &parts[g->mirror.part];
+    double aside_m = asdic_vec3_length(asdic_vec3_sub(s->at.mirror_m, body->center_m));
+    double far_m = asdic_vec3_length(asdic_vec3_sub(s->at.mirror_m, from));
+    asdic_vec3 axes[2];
+    asdic_vec3_across(s->u, axes);
+    asdic_vec3 wide = stepped(asdic_vec3_scale(axes[0], -sin(turn)), cos(turn), axes[1]);
+    bool misses = aside_m - body->radius_m > reach * far_m;
+    reach = fmin(reach, fmin((aside_m + body->radius_m) / far_m, WIDEST));
+    /* Over two curved bodies lobes are no ellipses: the longer axis round about holds them. */
+    double narrow = g->straight ? fmin(off / sqrt(most), reach) : reach;
+    *out = (lobe){asdic_vec3_scale(wide, reach), narrow};
+    return !misses;
 }
 
 /* ---- Where the spots are ---- */
@@ -279,6 +308,8 @@ static asdic_spot spot_of(const looking *l, const dev_triangle *t, asdic_vec3 at
         s.bend[1] =
             0.5 * side * (asdic_vec3_dot(turn[0], s.axes[1]) + asdic_vec3_dot(turn[1], s.axes[0]));
         s.bend[2] = side * asdic_vec3_dot(turn[1], s.axes[1]);
+        double mean = 0.5 * (s.bend[0] + s.bend[2]);
+        s.steepest = mean + copysign(hypot(0.5 * (s.bend[0] - s.bend[2]), s.bend[1]), mean);
     }
     return s;
 }
@@ -330,17 +361,20 @@ static double slope_of(const looking *l, const dev_triangle *t, double range_m) 
 /* How loud it is: what both bodies pass on, over what the tube of rays spreads; 0: it does not stand out, or the mirror's
  * own cone is as narrow. */
 static double loudness(const looking *l, const asdic_glint *g, const sighting *s) {
-    const asdic_part *mirror = &l->placement->parts[g->mirror.part];
+    const asdic_part *parts = l->placement->parts;
     const asdic_scatterer *over = scatterer_of(l, &g->mirror),
                           *target = scatterer_of(l, &g->target);
-    double share = over->material.law->reflected(over, s->at.cosine);
+    double share = g->straight ? 1.0 : over->material.law->reflected(over, s->at.cosine);
     double g_target = target->device.roughness_g,
            range = asdic_vec3_length(asdic_vec3_sub(s->at.mirror_m, l->from_m));
-    double lobe = exp(-g_target) / (4.0 * g->slope_ms);
+    double peak = exp(-g_target) / (4.0 * g->slope_ms);
+    lobe reach;
     asdic_vec3 home = asdic_vec3_sub(s->at.target_m, l->from_m);
     double spread_m2 = g->returns ? s->tube_m2 : asdic_vec3_dot(home, home);
-    double body = mirror->radius_m / range;
-    if (share < (double)DEV_MIN_MIRROR || lobe < 1.0 || reach_of(g, s) > WIDE * body) {
+    double body = WIDE * parts[g->mirror.part].radius_m / range;
+    if (share < (double)DEV_MIN_MIRROR || peak < 1.0 ||
+        !find_lobe(g, parts, l->from_m, s, &reach) ||
+        asdic_vec3_length(reach.wide) * reach.narrow > body * body) {
         return 0.0;
     }
     asdic_vec3 back = g->returns ? s->u : unit(home);
@@ -348,6 +382,21 @@ static double loudness(const looking *l, const asdic_glint *g, const sighting *s
                        asdic_aim_envelope(l->eye->aimed, l->eye->ping->beams, back));
     return gain * share * (g->returns ? share : 1.0) * exp(-g_target) /
            (fabs(determinant(s)) * spread_m2);
+}
+
+/* Completes G, with its target on TO at Q, seen at P; false: it is not loud. */
+static bool judge(const looking *l, const dev_triangle *to, asdic_vec3 p, asdic_vec3 q,
+                  asdic_glint *g) {
+    const asdic_part *parts = l->placement->parts;
+    double there = asdic_vec3_length(asdic_vec3_sub(p, l->from_m));
+    g->slope_ms = slope_of(l, to, there + asdic_vec3_length(asdic_vec3_sub(q, p)));
+    g->seen_m = asdic_vec3_sub(p, parts[g->mirror.part].center_m);
+    sighting s;
+    if (!sight(g, parts, l->from_m, &s)) {
+        return false;
+    }
+    g->score = loudness(l, g, &s);
+    return g->score > 0.0;
 }
 
 /* Looks for the glint of TARGET in MIRROR. */
@@ -370,15 +419,16 @@ static bool find_glint(const looking *l, size_t mirror, size_t target, bool retu
             settle(&g->target, parts, p, returns ? p : l->from_m, &q);
         }
     }
-    double there = asdic_vec3_length(asdic_vec3_sub(p, l->from_m));
-    g->slope_ms = slope_of(l, to, there + asdic_vec3_length(asdic_vec3_sub(q, p)));
-    g->seen_m = asdic_vec3_sub(p, parts[mirror].center_m);
-    sighting s;
-    if (!sight(g, parts, l->from_m, &s)) {
-        return false;
-    }
-    g->score = loudness(l, g, &s);
-    return g->score > 0.0;
+    return judge(l, to, p, q, g);
+}
+
+/* Looks for the glint of PART itself. */
+static bool find_own(const looking *l, size_t part, asdic_glint *g) {
+    asdic_vec3 p;
+    *g = (asdic_glint){.straight = true, .returns = true, .from_m = l->from_m};
+    const dev_triangle *to = find_spot(l, part, l->from_m, l->from_m, &g->mirror, &p);
+    g->target = g->mirror;
+    return to && judge(l, to, p, p, g);
 }
 
 static bool is_louder(const void *a, const void *b) {
@@ -389,7 +439,7 @@ static bool is_louder(const void *a, const void *b) {
 static bool may_glint(const looking *l, size_t part) {
     const asdic_scatterer *s = &l->eye->scatterers[l->placement->parts[part].material];
     return l->placement->parts[part].kind == DEV_KIND_OBJECT && !s->silent &&
-           s->device.law == DEV_LAW_FACET && l->end[part] - l->first[part] <= MOST_TRIANGLES;
+           s->device.law == DEV_LAW_FACET;
 }
 
 typedef struct body {
@@ -401,14 +451,15 @@ static bool looks_larger(const void *a, const void *b) {
     return ((const body *)a)->size > ((const body *)b)->size;
 }
 
-/* The bodies that look largest of those that may glint, within range; returns how many. */
-static size_t pick_bodies(const looking *l, body bodies[MOST_BODIES]) {
+/* The bodies that look largest of those that may glint, within range, of MOST triangles; returns how many. */
+static size_t pick_bodies(const looking *l, size_t most, body bodies[MOST_BODIES]) {
     size_t count = 0;
     for (size_t i = 0; i < l->placement->scene->part_count; i++) {
         const asdic_part *part = &l->placement->parts[i];
         double distance = asdic_vec3_length(asdic_vec3_sub(part->center_m, l->from_m));
         const body seen = {i, part->radius_m / fmax(distance, 1e-9)};
-        if (!may_glint(l, i) || distance - part->radius_m > l->eye->ping->range_m) {
+        if (!may_glint(l, i) || l->end[i] - l->first[i] > most ||
+            distance - part->radius_m > l->eye->ping->range_m) {
             continue;
         }
         asdic_sort_keep(bodies, &count, MOST_BODIES, &seen, sizeof seen, looks_larger);
@@ -416,24 +467,34 @@ static size_t pick_bodies(const looking *l, body bodies[MOST_BODIES]) {
     return count;
 }
 
-static void find_all(asdic_glints *glints, const looking *l) {
+static void keep(asdic_glint_list *glints, const asdic_glint *g) {
+    asdic_sort_keep(glints->glint, &glints->count, DEV_MAX_CONES, g, sizeof *g, is_louder);
+}
+
+static void find_all(asdic_glints *glints, const looking *l, bool mirrors) {
     body bodies[MOST_BODIES];
-    size_t count = pick_bodies(l, bodies);
+    size_t count = pick_bodies(l, SIZE_MAX, bodies);
+    asdic_glint g;
+    for (size_t k = 0; k < count; k++) {
+        if (find_own(l, bodies[k].part, &g)) {
+            keep(&glints->own, &g);
+        }
+    }
+    count = mirrors ? pick_bodies(l, MOST_TRIANGLES, bodies) : 0;
     for (size_t k = 0; k < 2 * count * count; k++) {
         size_t mirror = bodies[k / 2 / count].part, target = bodies[k / 2 % count].part;
-        asdic_glint g;
         if (mirror != target && find_glint(l, mirror, target, k % 2 != 0, &g)) {
-            asdic_sort_keep(glints->glint, &glints->count, DEV_MAX_CONES, &g, sizeof g, is_louder);
+            keep(&glints->between, &g);
         }
     }
 }
 
 asdic_status asdic_glints_find(asdic_glints *glints, const asdic_placement *placement,
-                               asdic_vec3 position_m, const asdic_eye *eye) {
+                               asdic_vec3 position_m, const asdic_eye *eye, bool mirrors) {
     const asdic_scene *scene = placement->scene;
     size_t *first = calloc(2 * scene->part_count + 1, sizeof *first),
            *end = first + scene->part_count;
-    glints->count = 0;
+    glints->own.count = glints->between.count = 0;
     if (!first) {
         return asdic_fail_memory(scene->ctx, "glints");
     }
@@ -442,7 +503,7 @@ asdic_status asdic_glints_find(asdic_glints *glints, const asdic_placement *plac
         first[part] = end[part] > 0 ? first[part] : i;
         end[part] = i + 1;
     }
-    find_all(glints, &(looking){placement, eye, position_m, first, end});
+    find_all(glints, &(looking){placement, eye, position_m, first, end}, mirrors);
     free(first);
     return ASDIC_OK;
 }
@@ -466,21 +527,28 @@ static size_t find_ways(const dev_ping *ping, const asdic_passage *way, double f
     return count;
 }
 
-void asdic_glints_place(const asdic_glints *glints, const asdic_part *parts, asdic_vec3 position_m,
-                        const asdic_passage *way, dev_ping *ping) {
-    dev_uint each = (dev_uint)(SHARE * ping->batch.rays);
-    size_t room = way->layers.count > 1 ? DEV_CONES : 2 * DEV_MAX_CONES;
+static void place(const asdic_glint_list *glints, double share, const asdic_part *parts,
+                  asdic_vec3 position_m, const asdic_passage *way, dev_ping *ping) {
+    dev_uint each = (dev_uint)(share * ping->batch.rays);
+    size_t room = way->layers.count > 1 ? DEV_CONES : 3 * DEV_MAX_CONES;
     for (size_t k = 0; k < glints->count && each > 0; k++) {
         const asdic_glint *g = &glints->glint[k];
         sighting s;
-        if (!sight(g, parts, position_m, &s)) {
+        lobe reach;
+        if (!sight(g, parts, position_m, &s) || !find_lobe(g, parts, position_m, &s, &reach)) {
             continue;
         }
         asdic_vec3 towards[MOST_WAYS];
         size_t count =
             find_ways(ping, way, position_m.z, asdic_vec3_sub(s.at.mirror_m, position_m), towards);
         for (size_t i = 0; i < count && ping->sampling.cones < room; i++) {
-            asdic_cones_add(ping, towards[i], fmin(reach_of(g, &s), WIDEST), each);
+            asdic_cones_add(ping, towards[i], reach.wide, reach.narrow, each);
         }
     }
+}
+
+void asdic_glints_place(const asdic_glints *glints, const asdic_part *parts, asdic_vec3 position_m,
+                        const asdic_passage *way, dev_ping *ping) {
+    place(&glints->own, OWN_SHARE, parts, position_m, way, ping);
+    place(&glints->between, SHARE, parts, position_m, way, ping);
 }

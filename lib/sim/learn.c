@@ -286,7 +286,7 @@ void asdic_simulator_forget(asdic_simulator *sim) {
     sim->learnt.lesson = asdic_lesson_none();
     sim->learnt.zone_altitude = ASDIC_ZONE_ALTITUDE;
     sim->learnt.faces.count = 0;
-    sim->learnt.glints.count = 0;
+    sim->learnt.glints.own.count = sim->learnt.glints.between.count = 0;
     sim->learnt.azimuths = false;
     sim->learnt.object_ratio = 1.0f;
     for (int i = 0; i <= DEV_TABLE_CELLS; i++) {
@@ -319,9 +319,8 @@ static asdic_status choose_faces(asdic_simulator *sim, const asdic_pose *pose, u
     sim->learnt.faces.count = 0;
     asdic_shot_aim(sim, shot, pose, index, ASDIC_STREAM_PILOT, pilot_rays(sim));
     asdic_eye eye = {shot->ping, asdic_shot_beams(shot), sim->setup.scatterers, sim->setup.threads};
-    if (sim->setup.has_mirrors) {
-        TRY(asdic_glints_find(&sim->learnt.glints, sim->placement, pose->position_m, &eye));
-    }
+    TRY(asdic_glints_find(&sim->learnt.glints, sim->placement, pose->position_m, &eye,
+                          sim->setup.has_mirrors));
     return asdic_faces_choose(&sim->learnt.faces, sim->placement, pose->position_m, &eye);
 }
 

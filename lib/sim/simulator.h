@@ -173,7 +173,7 @@ typedef struct asdic_learnt {
     asdic_lesson lesson;
     double zone_altitude;           /* height of the sampler's bottom zone over the altitude */
     asdic_faces faces;              /* that rays are aimed at */
-    asdic_glints glints;            /* between bodies, that rays are aimed at too */
+    asdic_glints glints;            /* of bodies, that rays are aimed at too */
     asdic_stated_error *stated;     /* by cell */
     float object_ratio;             /* of_groups of all cells that objects ruled */
     asdic_calibration *calibration; /* NULL before the first */

@@ -316,7 +316,8 @@ static void near_objects_have_cones(void **state) {
     assert_close((double)cone->rows[6], 0.6, 1e-6);
     assert_close((double)cone->rows[7], 0.8, 1e-6);
     assert_close((double)cone->rows[8], 0.0, 1e-6);
-    double cosine = 1.0 - (double)cone->cap, sine = sqrt(1.0 - cosine * cosine);
+    double sine = sin(2.0 * asin(0.5 * (double)cone->chord[0]));
+    assert_close((double)cone->chord[1], (double)cone->chord[0], 1e-7);
     assert_true(sine >= 0.2 && sine < 0.22);
     assert_close((double)cone->splat * cone->count, 8.0 * asin(sine), 1e-5);
     assert_int_equal(cone->first, ping->sampling.background);

@@ -228,6 +228,112 @@ static void straight_and_flat_bodies(void **state) {
     check_table(straight, sizeof straight / sizeof *straight);
 }
 
+/* ---- Glints ---- */
+
+#define BEAMS 65
+#define NEAREST_M 20.0
+
+/* Of radii of curvature R1 and R2 geometric optics has R1 R2 / 4, each shortened by d / (d + R) by a wave that comes from
+ * d away (G. A. Deschamps, "Ray techniques in electromagnetics", Proc. IEEE 60, 1022 (1972)); here d = 20 m. What is straight
+ * one way and far longer than sqrt(lambda d) has d there. */
+typedef struct glint_case {
+    const char *name;
+    body body;
+    double size_m[3];
+    unsigned segments;
+    double frequency_hz, expected_db;
+} glint_case;
+
+static const glint_case glints[] = {
+    {"sphere a 0.1 m, 3 MHz", SPHERE, {0.1}, 96, 3e6, -26.06},
+    {"sphere a 1 m, 300 kHz", SPHERE, {1}, 96, 300e3, -6.44},
+    {"  1 MHz", SPHERE, {1}, 96, 1e6, -6.44},
+    {"  3 MHz", SPHERE, {1}, 96, 3e6, -6.44},
+    {"sphere a 3 m, 300 kHz", SPHERE, {3}, 96, 300e3, 2.31},
+    {"  1 MHz", SPHERE, {3}, 96, 1e6, 2.31},
+    {"  3 MHz", SPHERE, {3}, 96, 3e6, 2.31},
+    {"  as a mesh, 8,192 facets", ELLIPSOID, {3, 3, 3}, 5, 3e6, 2.31},
+    {"  131,072 facets, 300 kHz", ELLIPSOID, {3, 3, 3}, 7, 300e3, 2.31},
+    {"ellipsoid 0.5 x 2 x 1 m, mesh, 3 MHz", ELLIPSOID, {0.5, 2, 1}, 6, 3e6, 4.15},
+    {"cylinder a 0.2 m, L 2 m, 1 MHz", CYLINDER, {0.2, 2}, 96, 1e6, -0.04},
+    {"  3 MHz", CYLINDER, {0.2, 2}, 96, 3e6, -0.04},
+};
+
+/* Errors of pings, dB: their mean, the largest, and the sum of squares over those stated. */
+typedef struct glint_errors {
+    double mean_db, most_db, squares;
+} glint_errors;
+
+static void hear_glint(const glint_case *c, uint64_t seed, int pings, glint_errors *e) {
+    target_case as_case = {.body = c->body, .segments = c->segments};
+    memcpy(as_case.size_m, c->size_m, sizeof as_case.size_m);
+    double centre_m = NEAREST_M + case_depth(&as_case);
+    target_rig r = target_rig_create(&t, c->frequency_hz, centre_m, 0.2);
+    asdic_beam receivers[BEAMS];
+    r.receiver.length_h_m = 25.0 * 1500.0 / c->frequency_hz;
+    for (int b = 0; b < BEAMS; b++) {
+        receivers[b] = r.receiver;
+        receivers[b].yaw_rad = (b - BEAMS / 2) * PI / 180.0;
+    }
+    r.sonar.receivers = receivers;
+    r.sonar.receiver_count = BEAMS;
+    r.sonar.bin_length_m = NEAREST_M / 40.5; /* in the middle of a bin */
+    r.sampling.rays = 20000;
+    r.sampling.seed = seed;
+    double turn_rad = c->body == SPHERE ? 0.1 * (double)seed : 0.0;
+    target_rig_add(&r, case_mesh(&as_case), centre_m, turn_rad,
+                   asdic_material_facet(AIR, 0.0, 0.0));
+    asdic_ping *ping = NULL;
+    asdic_simulator *sim = NULL;
+    assert_ok(t.ctx, asdic_scene_commit(r.scene));
+    assert_ok(t.ctx, asdic_simulator_create(t.ctx, t.device, r.scene, &r.env, &r.sonar, &r.sampling,
+                                            r.pose.position_m.z, &sim));
+    assert_ok(t.ctx, asdic_ping_create(t.ctx, BEAMS, asdic_simulator_bin_count(sim), &ping));
+    assert_ok(t.ctx, asdic_simulator_learn(sim, &r.pose, 0));
+    for (int k = 0; k < pings; k++) {
+        assert_ok(t.ctx, asdic_simulator_ping(sim, &r.pose, (uint64_t)k, ping));
+        size_t first = BEAMS / 2 * ping->bins, loudest = first;
+        const double *object = ping->intensity_lin[ASDIC_OBJECT];
+        double energy = 0.0;
+        for (size_t n = first; n < first + ping->bins; n++) {
+            energy += object[n];
+            loudest = object[n] > object[loudest] ? n : loudest;
+        }
+        double off_db = target_rig_strength_db(&r, fmax(energy, 1e-30), NEAREST_M) - c->expected_db;
+        double over = off_db / fmax((double)ping->stderr_db[loudest], 0.02);
+        e->mean_db += off_db;
+        e->most_db = fmax(e->most_db, fabs(off_db));
+        e->squares += over * over;
+    }
+    asdic_ping_destroy(&ping);
+    asdic_simulator_destroy(&sim);
+    target_rig_destroy(&r);
+}
+
+/* A smooth body sends back all from a spot of some millimetres, which most rays of a fan miss. Every ping hears it, and
+ * states how well; 0.02 dB is left to the facets. */
+static void a_fan_hears_small_glints(void **state) {
+    (void)state;
+    enum { SEEDS = 4, PINGS = 2 };
+    int missed = 0;
+    print_message("%-42s %8s %8s %8s %12s\n", "65 beams", "expected", "mean off", "most off",
+                  "true/stated");
+    for (size_t k = 0; k < sizeof glints / sizeof *glints; k++) {
+        const glint_case *c = &glints[k];
+        glint_errors e = {0.0, 0.0, 0.0};
+        for (uint64_t seed = 1; seed <= SEEDS; seed++) {
+            hear_glint(c, seed, PINGS, &e);
+        }
+        e.mean_db /= SEEDS * PINGS;
+        double over = sqrt(e.squares / (SEEDS * PINGS));
+        bool good = fabs(e.mean_db) < 0.2 && e.most_db < 0.5 && over < 3.0;
+        print_message("%-42s %8.2f %+8.2f %8.2f %12.2f%s\n", c->name, c->expected_db, e.mean_db,
+                      e.most_db, over, good ? "" : "  MISSED");
+        missed += !good;
+    }
+    assert_int_equal(missed, 0);
+}
+
 int main(void) {
     t = test_device_open_or_skip();
     const struct CMUnitTest tests[] = {
@@ -235,6 +341,7 @@ int main(void) {
         cmocka_unit_test(rough_bodies),
         cmocka_unit_test(fine_bowls_far_away),
         cmocka_unit_test(straight_and_flat_bodies),
+        cmocka_unit_test(a_fan_hears_small_glints),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     test_device_close(&t);
