@@ -71,7 +71,8 @@ static void describe_file(netcdf *f, const asdic_format_about *about) {
     char seed[ASDIC_DIGITS_SIZE];
     asdic_digits_natural(seed, about->seed);
     const asdic_nc_attribute root[] = {
-        {"Conventions", "CF-1.7"},
+        {"Conventions",
+         "CF-1.9"}, /* the first with 64-bit unsigned integers; groups and strings since 1.8 */
         {"title", about->scene_name},
         {"summary", "Simulated forward-looking sonar: echo levels by ping, beam and range."},
         {"comment", "Groups and names after SONAR-netCDF4; the file does not conform to it: "

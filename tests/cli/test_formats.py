@@ -284,7 +284,7 @@ def test_netcdf_in_ncdump():
         bins = facts(folder, "r")["bins"]
         for line in (f"range_sample = {bins} ;", "beam = 2 ;", "ping_time = 4 ;",
                      "float backscatter_r(ping_time, beam, range_sample) ;",
-                     'beam = "forward", "down" ;', ':Conventions = "CF-1.7" ;',
+                     'beam = "forward", "down" ;', ':Conventions = "CF-1.9" ;',
                      "group: Beam_group1 {", "group: Environment {", "group: Platform {",
                      "group: Provenance {", "group: Sonar {"):
             tap.contains(text, line)

@@ -382,7 +382,7 @@ static void the_sonar_is_told(void **state) {
     check_text(id, "scene_sha256", "0123abcd");
     check_text(id, "seed", "77");
     check_text(root, "title", "pool");
-    check_text(root, "Conventions", "CF-1.7");
+    check_text(root, "Conventions", "CF-1.9");
     drop(root);
 }
 
