@@ -66,7 +66,8 @@ static int run(cli *c) {
     o.folder = cli_given(c, "output") ? cli_text(c, "output") : folder;
     asdic_status status = folder ? make(c, &o) : ASDIC_ERROR_MEMORY;
     if (!status) {
-        cli_note(c, "%zu frames in %s", o.end - o.first, o.folder);
+        size_t frames = o.end - o.first;
+        cli_note(c, "%zu frame%s in %s", frames, frames == 1 ? "" : "s", o.folder);
     }
     free(folder);
     return cli_end(c, status);

@@ -76,7 +76,8 @@ static void apply(const request *r, asdic_mission *mission) {
 static bool choose_pings(cli *c, const request *r, size_t pings, asdic_run_options *options) {
     uint64_t end = r->end < pings ? r->end : pings;
     if (r->first >= pings || (r->end != UINT64_MAX && r->end > pings)) {
-        cli_usage(c, "--pings goes beyond the mission's %zu pings (0..%zu)", pings, pings - 1);
+        cli_usage(c, "--pings goes beyond the mission's %zu ping%s (0..%zu)", pings,
+                  pings == 1 ? "" : "s", pings - 1);
         return false;
     }
     uint64_t count = end - r->first;

@@ -285,7 +285,8 @@ static asdic_status fly_on(cli *c, request *r, asdic_device **devices, size_t co
                               : asdic_trial_fly(cli_context(c), devices, count, o);
     cli_progress_end(&seen.progress);
     if (!status && seen.pings > 0 && !cli_team_is_worker(o->team)) {
-        cli_note(c, "%s: %llu pings", o->folder, (unsigned long long)seen.pings);
+        cli_note(c, "%s: %llu ping%s", o->folder, (unsigned long long)seen.pings,
+                 seen.pings == 1 ? "" : "s");
     }
     trial_programs_end(&programs);
     return status;
@@ -319,10 +320,11 @@ static asdic_status replay_on(cli *c, request *r, asdic_device **devices, size_t
     }
     if (!status) {
         const char *cause = asdic_trial_cause_name(flown.cause);
-        cli_note(c, "%s: run %llu, %s%s%s%s%s, %zu pings; 'asdic view %s/scene.yaml' shows it",
+        cli_note(c, "%s: run %llu, %s%s%s%s%s, %zu ping%s; 'asdic view %s/scene.yaml' shows it",
                  r->options.folder, (unsigned long long)r->replay_run,
                  asdic_trial_outcome_name(flown.outcome), *flown.what ? " of " : "", flown.what,
-                 *cause ? ", " : "", cause, flown.pings, r->options.folder);
+                 *cause ? ", " : "", cause, flown.pings, flown.pings == 1 ? "" : "s",
+                 r->options.folder);
     }
     asdic_mission_destroy(&mission);
     free(scene);
@@ -380,8 +382,8 @@ static asdic_status find_rays(cli *c, request *r, asdic_device *device) {
                         found.worst_db);
         }
     }
-    cli_note(c, "tolerance %g dB: %u rays per ping, by %zu pings along the way of run 0",
-             wanted.stderr_db, o->rays, pings);
+    cli_note(c, "tolerance %g dB: %u rays per ping, by %zu ping%s along the way of run 0",
+             wanted.stderr_db, o->rays, pings, pings == 1 ? "" : "s");
     return ASDIC_OK;
 }
 
