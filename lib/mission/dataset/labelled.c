@@ -144,11 +144,11 @@ static void lay_out(const asdic_frame_map *map, const uint16_t *values, uint16_t
     }
 }
 
-/* PIXELS in eight bits, in their place: greys by their high byte, but 0 for 0 alone; numbers as they are. */
+/* PIXELS in eight bits: greys 1 to 65535 as the nearest of 1 to 255, 0 as 0; numbers as they are. */
 static void to_bytes(const uint16_t *pixels, size_t count, bool greys, uint8_t *bytes) {
     for (size_t i = 0; i < count; i++) {
-        uint16_t high = (uint16_t)(pixels[i] >> 8);
-        bytes[i] = (uint8_t)(!greys ? pixels[i] : pixels[i] != 0 && high == 0 ? 1 : high);
+        bool is_grey = greys && pixels[i] > 0;
+        bytes[i] = (uint8_t)(is_grey ? 1 + ((pixels[i] - 1) * 254u + 32767u) / 65534u : pixels[i]);
     }
 }
 
