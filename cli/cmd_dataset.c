@@ -28,6 +28,7 @@ static bool read_options(cli *c, asdic_dataset_options *o, uint64_t *shard, uint
     cli_number(c, "radius", 16.0, 8192.0, &o->radius_px);
     cli_number_range(c, "range-db", -300.0, 400.0, &o->low_db, &o->high_db);
     cli_share(c, "shard", shard, shards);
+    o->side_lobes = cli_given(c, "side-lobes");
     cli_mode(c, &o->force, &o->resume);
     o->frames = frames;
     o->first = (size_t)(frames * (*shard - 1) / *shards);
@@ -79,6 +80,7 @@ static const cli_option options[] = {
     {"seed", 0, "S", "seed of the drawings (default 1)"},
     {"threshold", 0, "SHARE",
      "an object's share of a bin from which on the bin is its (default 0.5)"},
+    {"side-lobes", 0, NULL, "label objects also where beams hear them by side lobes alone"},
     {"radius", 0, "PIXELS", "the range in polar pictures (default 512)"},
     {"range-db", 0, "LOW:HIGH", "levels from black to white, with gain (default: frame 0's)"},
     {"shard", 0, "K/N", "make the K-th of N parts; 'asdic merge' joins them"},

@@ -18,6 +18,7 @@ typedef struct asdic_dataset_options {
     size_t frames;          /* of the whole set */
     size_t first, end;      /* of these, frames first .. end - 1 are made here; SIZE_MAX: all */
     double threshold;       /* share of a bin's energy from which on it shows an object, 0..1 */
+    bool side_lobes;        /* label an object also in beams that hear none of it at half power */
     double radius_px;       /* of the polar pictures: the range in pixels, 16..8192 */
     double low_db, high_db; /* what pictures show, with the gain 30 log r + 2 alpha r; NAN: as
                                frame 0 fills them */

@@ -3,8 +3,9 @@
 #include "base/context.h"
 #include "base/text.h"
 #include "base/try.h"
-#include "labelled.h"
 #include "gather.h"
+#include "labelled.h"
+#include "lobes.h"
 #include "mission/mission.h"
 #include "mission/run/run_folder.h"
 #include "mission/scene_inputs.h"
@@ -38,6 +39,7 @@ typedef struct slot {
     asdic_labelled frame;
     float *gain_db;
     uint16_t *classes; /* of the scene's objects */
+    bool *heard;       /* by asdic_lobes_reach; NULL: side lobes count */
     char *facts;
     built *from;
     bool is_full;
@@ -243,7 +245,9 @@ static asdic_status shoot(dataset *d, size_t index, const asdic_mission *m, buil
     free(s->classes);
     s->facts = describe(d, index, m);
     s->classes = classes_of(m);
-    if (!s->facts || !s->classes) {
+    free(s->heard);
+    s->heard = d->options.side_lobes ? NULL : asdic_lobes_reach(m, from->mission);
+    if (!s->facts || !s->classes || (!s->heard && !d->options.side_lobes)) {
         return asdic_fail_memory(d->ctx, "a frame");
     }
     s->from = from;
@@ -256,6 +260,7 @@ static asdic_status shoot(dataset *d, size_t index, const asdic_mission *m, buil
                                 .low_db = d->low_db,
                                 .high_db = d->high_db,
                                 .threshold = d->options.threshold,
+                                .heard = s->heard,
                                 .classes = s->classes,
                                 .class_count = m->class_count};
     return ASDIC_OK;
@@ -411,11 +416,12 @@ static char *describe_set(const dataset *d, const char *scene_hash) {
     }
     asdic_text_add(&text, "{\"format\":\"asdic data set 1\",\"version\":");
     asdic_text_add_json(&text, asdic_version());
-    asdic_text_format(
-        &text,
-        ",\"seed\":%llu,\"frames\":%zu,\"threshold\":%.9g,\"radius_px\":%.9g,"
-        "\"low_db\":%.9g,\"high_db\":%.9g,\"gain\":\"30 log r + 2 alpha r\",\"classes\":[",
-        (unsigned long long)o->seed, o->frames, o->threshold, o->radius_px, d->low_db, d->high_db);
+    asdic_text_format(&text,
+                      ",\"seed\":%llu,\"frames\":%zu,\"threshold\":%.9g,\"radius_px\":%.9g,"
+                      "\"side_lobes\":%s,\"low_db\":%.9g,\"high_db\":%.9g,"
+                      "\"gain\":\"30 log r + 2 alpha r\",\"classes\":[",
+                      (unsigned long long)o->seed, o->frames, o->threshold, o->radius_px,
+                      o->side_lobes ? "true" : "false", d->low_db, d->high_db);
     for (size_t i = 0; m && i < m->class_count; i++) {
         asdic_text_add(&text, i ? "," : "");
         asdic_text_add_json(&text, m->classes[i]);
@@ -492,6 +498,7 @@ asdic_status asdic_dataset_make(asdic_context *ctx, const char *scene, asdic_dev
         free(d->slots[i].gain_db);
         free(d->slots[i].facts);
         free(d->slots[i].classes);
+        free(d->slots[i].heard);
     }
     pthread_cond_destroy(&d->changed);
     pthread_mutex_destroy(&d->lock);

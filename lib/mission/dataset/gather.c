@@ -262,8 +262,10 @@ static asdic_status write_coco(gatherer *g, int form) {
     char path[64], name[256];
     asdic_text text = {0};
     const char *at = classes_of(g);
-    asdic_text_add(&text,
-                   "{\"info\":{\"description\":\"simulated sonar frames\"},\n\"categories\":[");
+    asdic_text_format(&text,
+                      "{\"info\":{\"description\":\"simulated sonar frames\",\"side_lobes\":%s},\n"
+                      "\"categories\":[",
+                      strstr(g->set, "\"side_lobes\":true") ? "true" : "false");
     for (size_t k = 1; (at = next_class(at, name)) != NULL; k++) {
         asdic_text_format(&text, "%s{\"id\":%zu,\"name\":\"%s\"}", k > 1 ? "," : "", k, name);
     }

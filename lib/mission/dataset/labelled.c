@@ -123,17 +123,24 @@ typedef struct shown {
     uint8_t *seen;
 } shown;
 
+/* The class of the object that bin AT shows; 0: none. */
+static uint16_t class_at(const asdic_labelled *f, size_t at) {
+    const asdic_ping_truth *truth = f->ping->truth;
+    size_t beams = f->ping->beams, beam = at / f->ping->bins;
+    int object = truth->object[at];
+    bool is_shown = object > 0 && (double)truth->object_share[at] >= f->threshold &&
+                    (!f->heard || f->heard[((size_t)object - 1) * beams + beam]);
+    return is_shown ? f->classes[object] : 0;
+}
+
 static void show(const asdic_labelled *f, const float *levels_db, shown *s) {
     size_t bins = f->ping->bins;
-    const asdic_ping_truth *truth = f->ping->truth;
     double scale = 65534.0 / (f->high_db - f->low_db);
     for (size_t at = 0; at < f->ping->beams * bins; at++) {
         double level = (double)levels_db[at] + (double)f->gain_db[at % bins];
         double grey = fmin(fmax((level - f->low_db) * scale, 0.0), 65534.0);
         s->grey[at] = isnan(level) ? 0 : (uint16_t)(1.0 + rint(grey));
-        s->number[at] = truth->object[at] > 0 && (double)truth->object_share[at] >= f->threshold
-                            ? f->classes[truth->object[at]]
-                            : 0;
+        s->number[at] = class_at(f, at);
     }
 }
 

@@ -31,6 +31,7 @@ typedef struct asdic_labelled {
     const asdic_frame_map *maps; /* by form */
     const float *gain_db;        /* by bin */
     double low_db, high_db, threshold;
+    const bool *heard;       /* by asdic_lobes_reach; NULL: side lobes count, too */
     const uint16_t *classes; /* by the number of an object in the truth, from 1 to CLASS_COUNT */
     size_t class_count;
 } asdic_labelled;
