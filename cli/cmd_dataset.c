@@ -82,7 +82,8 @@ static const cli_option options[] = {
      "an object's share of a bin from which on the bin is its (default 0.5)"},
     {"side-lobes", 0, NULL, "label objects also where beams hear them by side lobes alone"},
     {"radius", 0, "PIXELS", "the range in polar pictures (default 512)"},
-    {"range-db", 0, "LOW:HIGH", "levels from black to white, with gain (default: frame 0's)"},
+    {"range-db", 0, "LOW:HIGH",
+     "levels from black to white, with gain (default: the first frame's)"},
     {"shard", 0, "K/N", "make the K-th of N parts; 'asdic merge' joins them"},
     {"resume", 'r', NULL, "make what is missing of a set that is there, or more of it"},
     {"force", 'f', NULL, "replace a set that is there"},
@@ -98,8 +99,9 @@ const cli_command cli_dataset_command = {
     .details =
         "Draws the scene as its 'trial' section says, one ping for each frame, and writes levels, "
         "pictures by bearing and polar, masks of the objects, boxes and polygons (COCO, YOLO), and "
-        "a manifest. A frame depends on scene, seed, options and its number alone. What the files "
-        "hold stands in docs/dataset.md.",
+        "a manifest. A frame depends on scene, seed, options and its number alone; one whose draw "
+        "puts the sonar below the bottom is void, and passed over. What the files hold stands in "
+        "docs/dataset.md.",
     .examples = "asdic dataset scene.yaml -n 100 -o frames\n"
                 "asdic dataset scene.yaml -n 10000 -o frames --resume\n"
                 "asdic dataset scene.yaml -n 10000 --shard 1/2 -o part1",

@@ -45,7 +45,8 @@ static void on_log(void *user, asdic_log_level level, const char *message) {
         print_message(c, "error", RED_BOLD, message);
         break;
     case ASDIC_LOG_WARNING:
-        print_message(c, "warning", YELLOW_BOLD, message);
+        print_message(c, strstr(message, ": remark: ") ? "remark" : "warning", YELLOW_BOLD,
+                      message);
         break;
     case ASDIC_LOG_NOTE:
     case ASDIC_LOG_INFO:

@@ -72,10 +72,10 @@ asdic_status asdic_mission_load_trial(asdic_context *ctx, const char *path,
 
 /* asdic_mission_load_run of one of many runs. All objects of its scene can be moved, and are to be
  * before a ping, where stands_anywhere. Where one of the COUNT BASES, which may be NULL and must live
- * longer, differs from the run in places alone, the scene is that one's (`base`). Remarks are left
- * out. */
+ * longer, differs from the run in places alone, the scene is that one's (`base`). The sonar may be
+ * below the bottom. Remarks on places are left out there, and unless TELLS. */
 asdic_status asdic_mission_load_like(asdic_context *ctx, const char *path, const asdic_draw *draw,
-                                     const asdic_mission *const *bases, size_t count,
+                                     const asdic_mission *const *bases, size_t count, bool tells,
                                      asdic_mission **out);
 
 /* asdic_mission_refract by what asdic_mission_refraction says is needed, where the scene leaves it open;

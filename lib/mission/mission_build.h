@@ -24,6 +24,7 @@ typedef struct mission_builder {
     size_t setting_count;
     const asdic_draw *draw; /* the run of a trial; NULL: the scene itself */
     bool many;              /* as asdic_mission_load_like; with */
+    bool tells;
     const asdic_mission *const *bases;
     size_t base_count;
     const asdic_scene_text *memory; /* where the scene is; NULL: in a file */

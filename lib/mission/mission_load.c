@@ -373,10 +373,14 @@ asdic_status asdic_mission_load_run(asdic_context *ctx, const char *path,
 }
 
 asdic_status asdic_mission_load_like(asdic_context *ctx, const char *path, const asdic_draw *draw,
-                                     const asdic_mission *const *bases, size_t count,
+                                     const asdic_mission *const *bases, size_t count, bool tells,
                                      asdic_mission **out) {
-    const mission_builder how = {
-        .extent = MISSION_WHOLE, .draw = draw, .many = true, .bases = bases, .base_count = count};
+    const mission_builder how = {.extent = MISSION_WHOLE,
+                                 .draw = draw,
+                                 .many = true,
+                                 .tells = tells,
+                                 .bases = bases,
+                                 .base_count = count};
     return load_file(ctx, path, &how, out);
 }
 

@@ -52,11 +52,12 @@ bool asdic_mission_is_below_bottom(const asdic_mission *m, size_t ping,
     if (!(pose.position_m.z > depth_m + 1e-6 * fabs(depth_m))) {
         return false;
     }
-    snprintf(
-        text, ASDIC_BELOW_BOTTOM_SIZE,
-        "ping %zu at %s s: the sonar is at z = %.6g m, below the bottom at %.6g m; raise it or "
-        "lower the bottom",
-        ping, time_text(time, time_s), pose.position_m.z, depth_m);
+    int used = m->track ? snprintf(text, ASDIC_BELOW_BOTTOM_SIZE, "ping %zu at %s s: ", ping,
+                                   time_text(time, time_s))
+                        : 0;
+    snprintf(text + used, ASDIC_BELOW_BOTTOM_SIZE - (size_t)used,
+             "the sonar is at z = %.6g m, below the bottom at %.6g m; raise it or lower the bottom",
+             pose.position_m.z, depth_m);
     return true;
 }
 
@@ -73,12 +74,21 @@ static void check_depths(mission_builder *b) {
     asdic_yaml_node *node = asdic_yaml_child(mission, kind);
     size_t step = bottom_step(m);
     size_t last = m->track ? m->ping_count : 1;
+    asdic_yaml_node *position = asdic_yaml_child(node, "position_m");
+    node = !m->track && position ? position->last : node;
     for (size_t i = 0; i < last; i += step) {
         if (asdic_mission_is_below_bottom(m, i, text)) {
             asdic_yaml_problem(b->problems, node, "%s", text);
             return;
         }
     }
+}
+
+/* Of many runs one is spoken of at most, and none that cannot be: whoever flies them asks whether the sonar is below the
+ * bottom. */
+static bool is_told(const mission_builder *b) {
+    char text[ASDIC_BELOW_BOTTOM_SIZE];
+    return !b->many || (b->tells && !asdic_mission_is_below_bottom(b->mission, 0, text));
 }
 
 /* Where the water is not as deep as an altitude to be held, the vehicle is at the surface. */
@@ -100,7 +110,7 @@ static void check_altitude(mission_builder *b) {
                            "'altitude_m' = %.15g is more than the water is deep, at most %.6g m on "
                            "the way; lower it",
                            altitude_m, deepest_m);
-    } else if (shallow > 0 && !b->many) {
+    } else if (shallow > 0 && is_told(b)) {
         asdic_log(
             b->ctx, ASDIC_LOG_WARNING,
             "%s:%u:%u: warning: 'altitude_m' = %.15g is more than the water is deep at %zu of "
@@ -274,6 +284,8 @@ static bool is_inside(const asdic_scene *scene, size_t part, asdic_vec3 position
 static size_t first_inside(const asdic_mission *m, const asdic_mission_object *object) {
     size_t part = 0, step = ping_step(m), count = pings_of(m, object);
     size_t tests = MAX_TESTS / (m->scene->triangle_count + 1) + 1;
+    const asdic_pose none = {0};
+    const asdic_move home = asdic_move_between(&object->pose, &none); /* where its triangles are */
     while (part < m->scene->part_count && strcmp(m->scene->parts[part].name, object->name) != 0) {
         part++;
     }
@@ -282,7 +294,9 @@ static size_t first_inside(const asdic_mission *m, const asdic_mission_object *o
     }
     for (size_t i = 0; i < count && tests > 0; i += step) {
         asdic_vec3 at_m = sonar_at(m, object, i);
-        if (distance_m(object, at_m) == 0.0 && tests-- > 0 && is_inside(m->scene, part, at_m)) {
+        asdic_vec3 to_mesh_m = m->stands_anywhere ? asdic_move_point(&home, at_m) : at_m;
+        if (distance_m(object, at_m) == 0.0 && tests-- > 0 &&
+            is_inside(m->scene, part, to_mesh_m)) {
             return i;
         }
     }
@@ -428,13 +442,13 @@ static void remark_on_facets(mission_builder *b) {
 
 void asdic_mission_check_positions(mission_builder *b) {
     check_bottom_depth(b);
-    if (b->problems->total == 0) {
+    if (b->problems->total == 0 && !b->many) {
         check_depths(b);
     }
     if (b->problems->total == 0) {
         check_altitude(b);
     }
-    if (b->problems->total == 0 && !b->many) {
+    if (b->problems->total == 0 && is_told(b)) {
         remark_on_bottom(b);
         remark_on_reach(b);
         remark_on_objects(b);

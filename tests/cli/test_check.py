@@ -238,7 +238,7 @@ def test_places_are_checked_against_meshes():
                              "'position_m'  [bottom.mesh.file]\n")
         deep = asdic("check", "deep.yaml", cwd=at)
         tap.equal(deep.code, 3)
-        tap.contains(deep.err, "ping 0 at 0 s: the sonar is at z = 27 m, below the bottom at 20 m")
+        tap.contains(deep.err, "the sonar is at z = 27 m, below the bottom at 20 m; raise it or lower the bottom  [mission.pose.position_m[2]]")
 
 
 def test_objects_out_of_reach_are_remarked_on():

@@ -596,6 +596,77 @@ for line in map(json.loads, open("d/manifest.jsonl")):
         says(asdic("merge", folder / "d", folder / "lobes", "-o", folder / "m"), 3, "different data sets")
 
 
+def test_a_void_frame_is_passed_over():
+    """A draw puts the sonar below the bottom: the frame is told of, has no pictures, and the set goes on."""
+    program.need_device()
+    with Folder() as folder:
+        path = scene(folder, rays=500, a=("{key: mission.pose.yaw_deg, uniform: [-5, 5]}",
+                                          "{key: 'mission.pose.position_m[2]', uniform: [5, 12]}"))
+        make = ("dataset", path, "-n", 12, "--radius", 32)
+        done = asdic(*make, "-o", folder / "d").check(code=0)
+        whole = files(folder / "d")
+        lines = [json.loads(line) for line in whole["manifest.jsonl"].splitlines()]
+        tap.equal([line["frame"] for line in lines], list(range(12)), "frames")
+        void = [line["frame"] for line in lines if line["position_m"][2] > 10]
+        tap.equal([line["frame"] for line in lines if "void" in line], void, "void frames")
+        tap.equal(0 < len(void) < 12, True, "some are")
+        first = lines[void[0]]
+        tap.contains(first["void"], f"the sonar is at z = {first['position_m'][2]:.6g} m, below the bottom at 10 m")
+        tap.equal(done.err.count("void"), 1, "said once")
+        are = "is" if len(void) == 1 else "are"
+        tap.contains(done.err, f"remark: {len(void)} of 12 frames {are} void, without pictures and labels: frame {void[0]}, ")
+        made = sorted(int(name[7:13]) for name in whole if name.startswith("levels/"))
+        tap.equal(made, [k for k in range(12) if k not in void], "frames with levels")
+        coco = json.loads(whole["polar/annotations.json"])
+        tap.equal([image["id"] for image in coco["images"]], made, "COCO's images")
+        for k in (1, 2):
+            asdic(*make, "--shard", f"{k}/2", "-o", folder / f"p{k}").check(code=0)
+        asdic("merge", folder / "p1", folder / "p2", "-o", folder / "m").check(code=0)
+        tap.equal(files(folder / "m") == whole, True, "parts joined are the whole")
+        folder.write(f"d/frames/{void[0]:06d}.txt", whole[f"frames/{void[0]:06d}.txt"].decode()[:-20])
+        folder.write(f"d/levels/{void[0]:06d}.npy", "of another")
+        os.remove(folder / f"d/frames/{made[0]:06d}.txt")
+        says(asdic("merge", folder / "d", "-o", folder / "n"), 3, "frame")
+        asdic(*make, "-o", folder / "d", "--resume").check(code=0)
+        tap.equal(files(folder / "d") == whole, True, "resumed is the whole")
+        # The first frame is void: the next one's levels make the window.
+        early = scene(folder, rays=500, a=("{key: mission.pose.yaw_deg, uniform: [-5, 5]}",
+                                           "{key: 'mission.pose.position_m[2]', choice: [11, 6]}"))
+        for seed in range(1, 20):
+            done = asdic("dataset", early, "-n", 8, "--radius", 32, "--seed", seed, "-o", folder / "e", "--force").check(code=0)
+            lines = [json.loads(line) for line in folder.read("e/manifest.jsonl").splitlines()]
+            if "void" in lines[0]:
+                break
+        tap.equal("void" in lines[0], True, "a seed whose first frame is void")
+        tap.contains(done.err, "void, without pictures and labels: frame 0, ")
+        tap.equal([name for name in os.listdir(folder / "e/levels") if name.startswith("000000")], [], "its levels")
+        lost = scene(folder, a=("[0, 0, 6]", "[0, 0, 11]"))
+        says(asdic("dataset", lost, "-n", 2, "-o", folder / "g"), 3, "all 2 frames are void: frame 0, ")
+        tap.equal(os.path.exists(folder / "g"), False, "a folder")
+
+
+def test_the_first_scene_is_remarked_on():
+    """What `asdic check` says of a scene, once, and what is odd about a set."""
+    program.need_device()
+    with Folder() as folder:
+        path = scene(folder, rays=500, a=("[9, 0, 8.8]", "[0, 0, 6.2]"), b=("objects[0].position_m[1]", "objects[1].position_m[0]"),
+                     c=("uniform: [-2, 2]}\n    - {key: 'objects[1].position_m[1]'", "uniform: [5, 7]}\n    - {key: 'objects[1].position_m[1]'"))
+        remarks = asdic("check", path).err.count(": remark: ")
+        make = ("dataset", path, "-n", 3, "--radius", 32)
+        for into, more in ("d", []), ("d", ["--resume"]):
+            done = asdic(*make, "-o", folder / into, *more).check(code=0)
+            tap.equal(done.err.count("object 'ball' has the sonar inside it at ping 0"), 1, "said of the ball")
+            tap.equal(done.err.count(": remark: "), remarks, "remarks")
+        tap.contains(done.err, "3 frames in")
+        bare = folder.write("bare.yaml", re.sub(r"objects:\n.*?sonar:", "sonar:", folder.read("set.yaml").split("trial:")[0],
+                                                flags=re.DOTALL))
+        done = asdic("dataset", bare, "-n", 1, "--radius", 32, "-o", folder / "e").check(code=0)
+        tap.equal(done.err.count(": remark: nothing is drawn"), 1, "said of no draws")
+        tap.equal(done.err.count(": remark: no objects, and so no classes"), 1, "said of no objects")
+        tap.contains(done.err, "1 frame in")
+        tap.equal(asdic("dataset", bare, "-n", 1, "--radius", 32, "-o", folder / "f", "-q").check(code=0).err, "", "quiet")
+
+
 def test_what_cannot_be_is_said_once():
     program.need_device()
     with Folder() as folder:
@@ -626,8 +697,6 @@ def test_what_cannot_be_is_said_once():
             beams = scene(folder, a=(fan, "receivers: [" + ", ".join(beam % aim for aim in aims) + "]"))
             says(asdic("dataset", beams, "-n", "2", "-o", folder / "f"), 3,
                  f"receiver {wrong} is not in the order of bearings")
-        lost = scene(folder, a=("[0, 0, 6]", "[0, 0, 11]"))
-        says(asdic("dataset", lost, "-n", "2", "-o", folder / "g"), 3, "drawn for run 0")
 
 
 def test_frames_need_the_first_ping_alone():

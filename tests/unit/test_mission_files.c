@@ -453,7 +453,8 @@ static void loads_of_other_kinds(void **state) {
     asdic_mission_destroy(&m);
     asdic_context_set_log(w->ctx, ASDIC_LOG_ERROR, keep_lines, w);
     w->said[0] = '\0';
-    assert_int_equal(asdic_mission_load_like(w->ctx, path, &draw, NULL, 0, &m), ASDIC_ERROR_INPUT);
+    assert_int_equal(asdic_mission_load_like(w->ctx, path, &draw, NULL, 0, false, &m),
+                     ASDIC_ERROR_INPUT);
     asdic_context_set_log(w->ctx, ASDIC_LOG_ERROR, NULL, NULL);
     assert_string_equal(w->said,
                         "scene.yaml:6:5: error: an object of a data set needs a 'name': it "
@@ -469,8 +470,8 @@ static void loads_of_other_kinds(void **state) {
                      9 + i);
             write_file(w, "scene.yaml", text);
             const asdic_mission *bases[] = {first};
-            assert_ok(w->ctx,
-                      asdic_mission_load_like(w->ctx, path, &draw, bases, 1, i ? &m : &first));
+            assert_ok(w->ctx, asdic_mission_load_like(w->ctx, path, &draw, bases, 1, false,
+                                                      i ? &m : &first));
         }
         assert_ptr_equal(m->base, layers ? NULL : first);
         assert_int_equal(m->stands_anywhere, !layers);

@@ -328,7 +328,7 @@ static void runs_of_many_borrow_their_scene(void **state) {
                        "mission: {pose: {position_m: [0, 0, %d]}}\n",
                  30 + (int)i, i == 2 ? 45 : 0, 3 + (int)i);
         write_file(w, "scene.yaml", rest);
-        assert_ok(w->ctx, asdic_mission_load_like(w->ctx, path, &draw, bases, 3, &runs[i]));
+        assert_ok(w->ctx, asdic_mission_load_like(w->ctx, path, &draw, bases, 3, false, &runs[i]));
         assert_int_equal(runs[i]->stands_anywhere, 1);
         assert_ptr_equal(runs[i]->base, i ? runs[0] : NULL);
         assert_ptr_equal(runs[i]->scene, runs[0]->scene);
@@ -375,7 +375,7 @@ static void an_array_is_of_one_size(void **state) {
                  where[i]);
         write_file(w, "scene.yaml", text);
         assert_ok(w->ctx, asdic_mission_load(w->ctx, path, &m[0]));
-        assert_ok(w->ctx, asdic_mission_load_like(w->ctx, path, &draw, NULL, 0, &m[1]));
+        assert_ok(w->ctx, asdic_mission_load_like(w->ctx, path, &draw, NULL, 0, false, &m[1]));
         assert_ok(w->ctx, asdic_mission_write_scene(w->ctx, m[0], again, "track.csv"));
         assert_ok(w->ctx, asdic_mission_write_track(w->ctx, m[0], track));
         assert_ok(w->ctx, asdic_mission_load(w->ctx, again, &m[2]));

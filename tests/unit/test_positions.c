@@ -17,8 +17,12 @@ static void sonars_below_the_bottom_are_refused(void **state) {
     /* In single precision 10 m are exact to a few um: 10 are allowed. */
     assert_string_equal(said_of(w, "bottom: {mesh: pit}\n" POSE("20, 20, 10.0000095")), "");
     assert_contains(said_of(w, "bottom: {mesh: pit}\n" POSE("20, 20, 10.0000107")),
-                    "scene.yaml:5:17: error: ping 0 at 0 s: the sonar is at z = 10 m, below the "
-                    "bottom at 10 m; raise it or lower the bottom  [mission.pose]\n");
+                    "scene.yaml:5:39: error: the sonar is at z = 10 m, below the bottom at 10 m; "
+                    "raise it or lower the bottom  [mission.pose.position_m[2]]\n");
+    assert_string_equal(said_of(w, "bottom: {depth_m: 12}\n" POSE("0, 0, 12")), "");
+    assert_contains(said_of(w, "bottom: {depth_m: 12}\n" POSE("0, 0, 12.5")),
+                    "error: the sonar is at z = 12.5 m, below the bottom at 12 m; raise it or "
+                    "lower the bottom  [mission.pose.position_m[2]]\n");
     /* Tracks are followed: here 0.1 m deeper each ping. */
     write_track(w, "dive.csv", "100,0,0,5.05,0,0,0\n108,0,0,13.05,0,0,0\n");
     snprintf(expected, sizeof expected,
@@ -445,7 +449,8 @@ static void tracks_at_other_times_are_remarked(void **state) {
 #undef ON
 }
 
-/* A run of many says nothing of what is out of place, but where it cannot be. */
+/* A run of many says nothing of what is out of place unless it is asked to, and may begin below the bottom; that one
+ * says nothing in any case. */
 static void runs_of_many_leave_remarks_out(void **state) {
     workshop *w = *state;
     const asdic_draw draw = {.seed = 1};
@@ -457,14 +462,18 @@ static void runs_of_many_leave_remarks_out(void **state) {
                  SCENE "bottom: {depth_m: 12}\nobjects:\n" BALL("far", "99, 0, 7") POSE("0, 0, %d"),
                  depth_m);
         write_file(w, "scene.yaml", text);
-        asdic_mission *m = NULL;
-        w->said[0] = '\0';
-        asdic_context_set_log(w->ctx, ASDIC_LOG_WARNING, keep_lines, w);
-        asdic_mission_load_like(w->ctx, path, &draw, NULL, 0, &m);
-        asdic_context_set_log(w->ctx, ASDIC_LOG_WARNING, NULL, NULL);
-        assert_int_equal(m != NULL, depth_m < 12);
-        assert_int_equal(w->said[0] == '\0', depth_m < 12);
-        asdic_mission_destroy(&m);
+        for (int tells = 0; tells < 2; tells++) {
+            asdic_mission *m = NULL;
+            w->said[0] = '\0';
+            asdic_context_set_log(w->ctx, ASDIC_LOG_WARNING, keep_lines, w);
+            assert_ok(w->ctx, asdic_mission_load_like(w->ctx, path, &draw, NULL, 0, tells, &m));
+            asdic_context_set_log(w->ctx, ASDIC_LOG_WARNING, NULL, NULL);
+            assert_int_equal(asdic_mission_is_below_bottom(m, 0, text), depth_m > 12);
+            assert_int_equal(strstr(w->said, "object 'far' is beyond") != NULL,
+                             tells && depth_m < 12);
+            assert_int_equal(w->said[0] != '\0', tells && depth_m < 12);
+            asdic_mission_destroy(&m);
+        }
     }
 }
 

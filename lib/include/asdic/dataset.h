@@ -21,20 +21,23 @@ typedef struct asdic_dataset_options {
     bool side_lobes;        /* label an object also in beams that hear none of it at half power */
     double radius_px;       /* of the polar pictures: the range in pixels, 16..8192 */
     double low_db, high_db; /* what pictures show, with the gain 30 log r + 2 alpha r; NAN: as
-                               frame 0 fills them */
+                               the first frame fills them */
     bool force;             /* replace a set that is there */
     bool resume;            /* make what is missing of one that is there, or of a larger one */
 } asdic_dataset_options;
 
-/* Seed 1, 1,000 frames, all of them, a threshold of 0.5, 512 pixels, a window by frame 0. */
+/* Seed 1, 1,000 frames, all of them, a threshold of 0.5, no side lobes, 512 pixels, a window by the
+ * first frame. */
 ASDIC_API asdic_dataset_options asdic_dataset_options_default(void);
 
 /* Makes the frames of SCENE on DEVICE. A frame depends on scene, seed, options and its number
- * alone, byte for byte. Reports progress ("frames") to the context. ASDIC_ERROR_INPUT: the scene,
- * or a drawing of it that makes no sense, with the run's number; ASDIC_ERROR_EXISTS: the folder
- * holds a data set and neither RESUME nor FORCE is set, or RESUME is and it is another one's, or
- * has frames beyond FIRST to END; ASDIC_ERROR_INTERRUPTED: RESUME goes on where it ended. Frames
- * that were finished stay. */
+ * alone, byte for byte. One that draws the sonar below the bottom is void: the manifest says so,
+ * and it has no pictures. Reports progress ("frames") to the context, and logs what is odd about
+ * the first frame that is not void. ASDIC_ERROR_INPUT: the scene, a drawing of it that makes no
+ * sense, with the run's number, or all frames are void; ASDIC_ERROR_EXISTS: the folder holds a data
+ * set and neither RESUME nor FORCE is set, or RESUME is and it is another one's, or has frames
+ * beyond FIRST to END; ASDIC_ERROR_INTERRUPTED: RESUME goes on where it ended. Frames that were
+ * finished stay. */
 ASDIC_API asdic_status asdic_dataset_make(asdic_context *ctx, const char *scene,
                                           asdic_device *device,
                                           const asdic_dataset_options *options);

@@ -54,7 +54,7 @@ typedef struct dataset {
     built kept[KEPT];
     size_t clock;
     bool goes_on;   /* with the set in the folder, whose frames stay */
-    double depth_m; /* of frame 0; NAN before it is loaded, which comes first */
+    double depth_m; /* of the first frame that is not void; NAN before it is loaded */
     double low_db, high_db;
     /* The writer's thread takes what SLOTS hold, in turn. */
     pthread_mutex_t lock;
@@ -100,7 +100,7 @@ static built *make_place(dataset *d) {
 }
 
 /* Builds a simulator for MISSION, which is taken over. What hangs on the sound speed at the sonar (array, bins,
- * automatic rays, speckle) is that of frame 0's depth in all scenes, whichever frame builds one. */
+ * automatic rays, speckle) is that of the first frame's depth in all scenes, whichever frame builds one. */
 static asdic_status build(dataset *d, asdic_mission *mission, built **out) {
     built *b = *out = make_place(d);
     b->mission = mission;
@@ -130,14 +130,19 @@ static asdic_status build(dataset *d, asdic_mission *mission, built **out) {
                                  d->options.radius_px, b->maps);
 }
 
-/* The mission of frame INDEX, to be destroyed unless it is FROM's own. */
-static asdic_status load(dataset *d, size_t index, asdic_mission **mission, built **from) {
+/* The mission of frame INDEX, to be destroyed unless it is FROM's own. A frame whose sonar would be below the bottom is
+ * void: it has no FROM, and WHY says so. */
+static asdic_status load(dataset *d, size_t index, asdic_mission **mission, built **from,
+                         char why[ASDIC_BELOW_BOTTOM_SIZE]) {
     const asdic_mission *bases[KEPT];
     for (size_t i = 0; i < KEPT; i++) {
         bases[i] = d->kept[i].mission;
     }
     const asdic_draw draw = {d->options.seed, index};
-    TRY(asdic_mission_load_like(d->ctx, d->scene, &draw, bases, KEPT, mission));
+    TRY(asdic_mission_load_like(d->ctx, d->scene, &draw, bases, KEPT, isnan(d->depth_m), mission));
+    if (asdic_mission_is_below_bottom(*mission, 0, why)) {
+        return ASDIC_OK;
+    }
     for (size_t i = 0; i < KEPT; i++) {
         if ((*mission)->base && (*mission)->base == bases[i]) {
             *from = &d->kept[i];
@@ -161,8 +166,8 @@ static void describe_pose(asdic_text *text, const asdic_pose *pose) {
                       pose->roll_rad * degree, pose->pitch_rad * degree, pose->yaw_rad * degree);
 }
 
-/* The frame's line of the manifest. */
-static char *describe(const dataset *d, size_t index, const asdic_mission *m) {
+/* The frame's line of the manifest; WHY it is void, NULL: it is not. */
+static char *describe(const dataset *d, size_t index, const asdic_mission *m, const char *why) {
     asdic_text text = {0};
     asdic_pose pose = asdic_mission_pose(m, 0, NULL);
     asdic_text_format(&text, "{\"frame\":%zu,\"seed\":%llu,\"run\":%zu,\"scene_sha256\":\"%s\",",
@@ -190,7 +195,12 @@ static char *describe(const dataset *d, size_t index, const asdic_mission *m) {
         asdic_text_add(&text, ":");
         asdic_text_add_json(&text, s.value);
     }
-    asdic_text_add(&text, "}}");
+    asdic_text_add(&text, "}");
+    if (why) {
+        asdic_text_add(&text, ",\"void\":");
+        asdic_text_add_json(&text, why);
+    }
+    asdic_text_add(&text, "}");
     return asdic_text_take(&text);
 }
 
@@ -243,7 +253,7 @@ static asdic_status shoot(dataset *d, size_t index, const asdic_mission *m, buil
     fill_gain(m, pose.position_m.z, from->bins, s->gain_db);
     free(s->facts);
     free(s->classes);
-    s->facts = describe(d, index, m);
+    s->facts = describe(d, index, m, NULL);
     s->classes = classes_of(m);
     free(s->heard);
     s->heard = d->options.side_lobes ? NULL : asdic_lobes_reach(m, from->mission);
@@ -266,13 +276,26 @@ static asdic_status shoot(dataset *d, size_t index, const asdic_mission *m, buil
     return ASDIC_OK;
 }
 
+/* A frame without a ping, and WHY. */
+static asdic_status leave_void(dataset *d, size_t index, const asdic_mission *m, const char *why,
+                               slot *s) {
+    free(s->facts);
+    s->facts = describe(d, index, m, why);
+    s->from = NULL;
+    s->frame = (asdic_labelled){.index = index, .folder = d->options.folder, .facts = s->facts};
+    return s->facts ? ASDIC_OK : asdic_fail_memory(d->ctx, "a frame");
+}
+
 static asdic_status make_frame(dataset *d, size_t index, slot *s) {
     asdic_mission *mission = NULL;
     built *from = NULL;
-    asdic_status status = load(d, index, &mission, &from);
-    if (!status) {
+    char why[ASDIC_BELOW_BOTTOM_SIZE];
+    asdic_status status = load(d, index, &mission, &from, why);
+    if (!status && from) {
         from->used = ++d->clock + 1;
         status = shoot(d, index, mission, from, s);
+    } else if (!status) {
+        status = leave_void(d, index, mission, why, s);
     }
     if (mission && (!from || mission != from->mission)) {
         asdic_mission_destroy(&mission);
@@ -300,7 +323,9 @@ static void *write_frames(void *user) {
         pthread_mutex_lock(&d->lock);
         d->failure = d->failure ? d->failure : status;
         s->is_full = false;
-        s->from->borrowed--;
+        if (s->from) {
+            s->from->borrowed--;
+        }
         d->taken++;
         pthread_cond_broadcast(&d->changed);
     }
@@ -323,7 +348,9 @@ static slot *next_slot(dataset *d) {
 static void hand_over(dataset *d, slot *s) {
     pthread_mutex_lock(&d->lock);
     s->is_full = true;
-    s->from->borrowed++;
+    if (s->from) {
+        s->from->borrowed++;
+    }
     d->put++;
     pthread_cond_broadcast(&d->changed);
     pthread_mutex_unlock(&d->lock);
@@ -362,17 +389,52 @@ static asdic_status check_window(asdic_context *ctx, double low_db, double high_
                : ASDIC_OK;
 }
 
-/* The window of levels, that frame 0 fills where none is given. Its scene is kept, for the names of classes. */
-static asdic_status look_at_first(dataset *d) {
-    d->low_db = d->options.low_db;
-    d->high_db = d->options.high_db;
-    if (!isnan(d->low_db) && !isnan(d->high_db)) {
+/* What `asdic check` says of a scene, of the one that is kept first, and what is odd about a set. */
+static void tell(dataset *d, const asdic_mission *m) {
+    asdic_remarks remarks = asdic_mission_remarks(m);
+    for (size_t i = 0; i < remarks.count - remarks.lacks_format; i++) { /* no set has such */
+        asdic_log(d->ctx, ASDIC_LOG_WARNING, "%s: remark: %s", d->scene, remarks.text[i]);
+    }
+    if (!asdic_mission_drawn(m, 0).key) {
+        asdic_log(d->ctx, ASDIC_LOG_WARNING,
+                  "%s: remark: nothing is drawn, so that frames differ in rays and speckle alone; "
+                  "give 'trial: {draws: ...}'",
+                  d->scene);
+    }
+    if (m->class_count == 0) {
+        asdic_log(d->ctx, ASDIC_LOG_WARNING, "%s: remark: no objects, and so no classes", d->scene);
+    }
+}
+
+/* Finds the first frame that is not void, and its scene, which is kept, for the names of classes. */
+static asdic_status find_first(dataset *d, size_t *first) {
+    char why[ASDIC_BELOW_BOTTOM_SIZE], other[ASDIC_BELOW_BOTTOM_SIZE];
+    for (size_t index = 0; index < d->options.frames; index++) {
         asdic_mission *mission = NULL;
         built *from = NULL;
-        return load(d, 0, &mission, &from);
+        TRY(load(d, index, &mission, &from, index == 0 ? why : other));
+        if (from) {
+            tell(d, mission);
+            *first = index;
+            return ASDIC_OK;
+        }
+        asdic_mission_destroy(&mission);
+    }
+    return asdic_fail(d->ctx, ASDIC_ERROR_INPUT, "%s: all %zu frames are void: frame 0, %s",
+                      d->scene, d->options.frames, why);
+}
+
+/* The window of levels, that the first frame fills where none is given. */
+static asdic_status look_at_first(dataset *d) {
+    size_t first = 0;
+    d->low_db = d->options.low_db;
+    d->high_db = d->options.high_db;
+    TRY(find_first(d, &first));
+    if (!isnan(d->low_db) && !isnan(d->high_db)) {
+        return ASDIC_OK;
     }
     slot *s = &d->slots[0];
-    TRY(make_frame(d, 0, s));
+    TRY(make_frame(d, first, s));
     size_t cells = s->ping->beams * s->ping->bins;
     float *levels_db = malloc(cells * sizeof *levels_db);
     if (!levels_db) {

@@ -62,12 +62,7 @@ static asdic_status clear(asdic_context *ctx, const char *folder) {
     size_t frames = frames_of(text);
     free(text);
     for (size_t k = 0; k < frames; k++) {
-        for (size_t i = 0; i < ASDIC_FRAME_FOLDERS; i++) {
-            const asdic_frame_folder *sub = &asdic_frame_folders[i];
-            if (sub->extension) {
-                unlink(asdic_frame_path(folder, sub->name, k, sub->extension).text);
-            }
-        }
+        asdic_frame_remove(folder, k);
     }
     for (size_t i = 0; i < SUMMARIES; i++) {
         unlink(asdic_file_in(folder, summaries[i]).text);
@@ -165,7 +160,9 @@ typedef struct gatherer {
     const asdic_dataset_options *options;
     asdic_text manifest, images[ASDIC_FORM_COUNT], annotations[ASDIC_FORM_COUNT];
     size_t ids[ASDIC_FORM_COUNT];
-    char *set; /* dataset.json */
+    size_t voids;
+    char why[256]; /* the first of them is one */
+    char *set;     /* dataset.json */
 } gatherer;
 
 /* Width and height from a PNG's header. */
@@ -187,12 +184,22 @@ static asdic_status read_size(asdic_context *ctx, const char *path, unsigned siz
                             path);
 }
 
+/* Counts a frame whose LINE of the manifest says why it is void, last. */
+static void count_void(gatherer *g, size_t index, const char *line) {
+    static const char key[] = "\"void\":\"";
+    const char *why = strstr(line, key);
+    if (g->voids++ == 0 && why) {
+        why += strlen(key);
+        snprintf(g->why, sizeof g->why, "frame %zu, %.*s", index, (int)strcspn(why, "\""), why);
+    }
+}
+
 static void take_line(gatherer *g, const char *line, size_t length) {
     int form = line[0] == 'P' ? ASDIC_FORM_POLAR : ASDIC_FORM_BEARING;
     if (line[0] == 'S') { /* sizes */
         return;
     }
-    if (line[0] == 'M') {
+    if (line[0] == 'M' || line[0] == 'V') {
         asdic_text_add_bytes(&g->manifest, line + 1, length - 1);
         asdic_text_add(&g->manifest, "\n");
         return;
@@ -203,7 +210,7 @@ static void take_line(gatherer *g, const char *line, size_t length) {
     g->ids[form]++;
 }
 
-static asdic_status take_frame(gatherer *g, size_t index, bool is_first) {
+static asdic_status take_frame(gatherer *g, size_t index) {
     char *text = NULL;
     size_t length = 0;
     TRY(asdic_file_read(g->ctx, asdic_frame_path(g->options->folder, "frames", index, "txt").text,
@@ -211,8 +218,12 @@ static asdic_status take_frame(gatherer *g, size_t index, bool is_first) {
     for (char *line = text, *end; (end = strchr(line, '\n')) != NULL; line = end + 1) {
         take_line(g, line, (size_t)(end - line));
     }
+    bool is_void = text[0] == 'V';
+    if (is_void) {
+        count_void(g, index, text);
+    }
     free(text);
-    for (int form = 0; form < ASDIC_FORM_COUNT; form++) {
+    for (int form = 0; form < ASDIC_FORM_COUNT && !is_void; form++) {
         unsigned size[2] = {0, 0};
         const asdic_file_name sub = asdic_file_in(asdic_form_names[form], "images"),
                               image = asdic_frame_path(g->options->folder, sub.text, index, "png");
@@ -220,7 +231,7 @@ static asdic_status take_frame(gatherer *g, size_t index, bool is_first) {
         asdic_text_format(&g->images[form],
                           "%s{\"id\":%zu,\"file_name\":\"images/%06zu.png\",\"width\":%u,"
                           "\"height\":%u}",
-                          is_first ? "" : ",\n", index, index, size[0], size[1]);
+                          g->images[form].length ? ",\n" : "", index, index, size[0], size[1]);
     }
     return ASDIC_OK;
 }
@@ -289,7 +300,7 @@ static asdic_status gather(gatherer *g) {
     asdic_text classes = {0};
     const asdic_dataset_options *o = g->options;
     for (size_t k = o->first; k < o->end; k++) {
-        TRY(take_frame(g, k, k == o->first));
+        TRY(take_frame(g, k));
     }
     for (const char *at = classes_of(g); (at = next_class(at, name)) != NULL;) {
         asdic_text_format(&classes, "%s\n", name);
@@ -297,7 +308,13 @@ static asdic_status gather(gatherer *g) {
     TRY(write_text(g, "classes.txt", &classes));
     TRY(write_text(g, "manifest.jsonl", &g->manifest));
     TRY(write_coco(g, ASDIC_FORM_POLAR));
-    return write_coco(g, ASDIC_FORM_BEARING);
+    TRY(write_coco(g, ASDIC_FORM_BEARING));
+    if (g->voids > 0) {
+        asdic_log(g->ctx, ASDIC_LOG_WARNING,
+                  "%s: remark: %zu of %zu frames %s void, without pictures and labels: %s",
+                  o->folder, g->voids, o->end - o->first, g->voids == 1 ? "is" : "are", g->why);
+    }
+    return ASDIC_OK;
 }
 
 asdic_status asdic_dataset_gather(asdic_context *ctx, const asdic_dataset_options *options) {
@@ -337,14 +354,17 @@ static asdic_status find_part(asdic_context *ctx, const char *const *parts, size
     return asdic_fail(ctx, ASDIC_ERROR_INPUT, "frame %zu is in none of the parts", index);
 }
 
-/* Frame INDEX, its record last. */
+/* The files that frame INDEX has, a void one its record alone; that comes last. */
 static asdic_status copy_frame(asdic_context *ctx, const char *part, const char *out,
                                size_t index) {
     for (size_t i = ASDIC_FRAME_FOLDERS; i-- > 0;) {
         const asdic_frame_folder *sub = &asdic_frame_folders[i];
-        if (sub->extension) {
-            TRY(copy(ctx, asdic_frame_path(part, sub->name, index, sub->extension).text,
-                     asdic_frame_path(out, sub->name, index, sub->extension).text));
+        const asdic_file_name from = asdic_frame_path(part, sub->name, index, sub->extension);
+        const asdic_file_name to = asdic_frame_path(out, sub->name, index, sub->extension);
+        if (sub->extension && access(from.text, F_OK) == 0) {
+            TRY(copy(ctx, from.text, to.text));
+        } else if (sub->extension) {
+            unlink(to.text);
         }
     }
     return ASDIC_OK;

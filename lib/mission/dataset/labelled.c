@@ -34,6 +34,15 @@ asdic_file_name asdic_frame_path(const char *folder, const char *sub, size_t ind
     return out;
 }
 
+void asdic_frame_remove(const char *folder, size_t index) {
+    for (size_t i = 0; i < ASDIC_FRAME_FOLDERS; i++) {
+        const asdic_frame_folder *sub = &asdic_frame_folders[i];
+        if (sub->extension) {
+            unlink(asdic_frame_path(folder, sub->name, index, sub->extension).text);
+        }
+    }
+}
+
 /* --- where bins lie --------------------------------------------------------------------------- */
 
 static asdic_status map_bearing(asdic_context *ctx, const asdic_sonar *sonar, size_t bins,
@@ -261,13 +270,30 @@ static asdic_status write_record(asdic_context *ctx, const asdic_labelled *f,
     return status;
 }
 
-/* Records of older sets have no line of sizes. */
+/* The record of a frame without pictures; others' files must not seem to be its own. */
+static asdic_status write_void(asdic_context *ctx, const asdic_labelled *f) {
+    asdic_text record = {0};
+    asdic_frame_remove(f->folder, f->index);
+    asdic_text_format(&record, "V%s\n", f->facts);
+    const asdic_file_name path = asdic_frame_path(f->folder, "frames", f->index, "txt");
+    asdic_status status = record.failed
+                              ? asdic_fail_memory(ctx, "a frame's record")
+                              : asdic_file_write_soon(ctx, path.text, record.data, record.length);
+    asdic_text_finish(&record);
+    return status;
+}
+
+/* Records of older sets have no line of sizes, void frames no files. */
 asdic_status asdic_frame_check(asdic_context *ctx, const char *folder, size_t index) {
     char *text = NULL;
     size_t length = 0;
     asdic_text sizes = {0};
     TRY(asdic_file_read(ctx, asdic_frame_path(folder, "frames", index, "txt").text,
                         ASDIC_FRAME_MOST_BYTES, &text, &length));
+    if (text[0] == 'V' && text[length - 1] == '\n') {
+        free(text);
+        return ASDIC_OK;
+    }
     const char *end = strchr(text, '\n');
     size_t first = end ? (size_t)(end - text) + 1 : 0;
     asdic_status status = add_sizes(ctx, folder, index, length - first, &sizes);
@@ -296,6 +322,9 @@ static asdic_status write_all(asdic_context *ctx, const asdic_labelled *f, float
 }
 
 asdic_status asdic_frame_write(asdic_context *ctx, const asdic_labelled *frame) {
+    if (!frame->ping) {
+        return write_void(ctx, frame);
+    }
     size_t cells = frame->ping->beams * frame->ping->bins, most = 0;
     for (int form = 0; form < ASDIC_FORM_COUNT; form++) {
         size_t count = frame->maps[form].width * frame->maps[form].height;

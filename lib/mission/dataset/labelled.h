@@ -26,8 +26,8 @@ typedef struct asdic_frame_map {
 typedef struct asdic_labelled {
     size_t index;
     const char *folder, *scene_hash;
-    char *facts; /* its line of the manifest, without the objects' pixels */
-    const asdic_ping *ping;
+    char *facts;                 /* its line of the manifest, without the objects' pixels */
+    const asdic_ping *ping;      /* NULL: a void frame, which has its facts alone */
     const asdic_frame_map *maps; /* by form */
     const float *gain_db;        /* by bin */
     double low_db, high_db, threshold;
@@ -49,6 +49,9 @@ typedef struct asdic_frame_folder {
 #define ASDIC_FRAME_FOLDERS 12
 #define ASDIC_FRAME_MOST_BYTES ((size_t)1 << 28) /* of a file */
 extern const asdic_frame_folder asdic_frame_folders[ASDIC_FRAME_FOLDERS];
+
+/* Removes all files of frame INDEX. */
+void asdic_frame_remove(const char *folder, size_t index);
 
 /* Writes all files of a frame; frames/NUMBER.txt comes last and says that the frame is whole. */
 asdic_status asdic_frame_write(asdic_context *ctx, const asdic_labelled *frame);

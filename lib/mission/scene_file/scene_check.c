@@ -376,7 +376,7 @@ static void check_objects(const asdic_scene_file *file, asdic_arena *arena,
     }
 }
 
-/* Checks that the sonar is in the water. Meshes and tracks are checked when they are read. */
+/* Checks that the sonar is in the water. Whether it is above the bottom is asked when that is there. */
 static void check_pose(const asdic_scene_file *file, asdic_problems *problems) {
     const file_pose *pose = &file->mission.pose;
     if (!asdic_scene_node_good(pose->node)) {
@@ -387,11 +387,6 @@ static void check_pose(const asdic_scene_file *file, asdic_problems *problems) {
     if (z_m < 0.0) {
         asdic_yaml_problem(problems, position->last,
                            "the sonar is %.15g m above the sea surface; z is positive down", -z_m);
-    } else if (asdic_scene_node_good(file->bottom.node) && z_m > file->bottom.depth_m) {
-        asdic_yaml_problem(problems, position->last,
-                           "the sonar is at z = %.15g m, below the bottom at %.15g m; raise it or "
-                           "lower the bottom",
-                           z_m, file->bottom.depth_m);
     }
 }
 
