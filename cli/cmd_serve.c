@@ -251,13 +251,17 @@ static const char *text_or(cli *c, const char *option, const char *fallback) {
     return cli_given(c, option) ? cli_text(c, option) : fallback;
 }
 
-/* A whole name, as the wire has it: ROS 2 makes one of the parts that a node's own names lack. */
+/* A whole name, as the wire has it: ROS 2 makes one of the parts that a node's own names lack. No part of it
+ * begins with a digit: design.ros2.org, "Topic and Service name mapping to DDS". */
 static bool is_topic(const char *name) {
     static const char allowed[] =
         "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_/";
     size_t length = strlen(name);
-    return name[0] == '/' && length > 1 && length < 200 && name[length - 1] != '/' &&
-           strspn(name, allowed) == length && !strstr(name, "//");
+    bool begins = true; /* a part does, after each '/' */
+    for (const char *at = name; (at = strchr(at, '/')); at++) {
+        begins = begins && !strchr("/0123456789", at[1]);
+    }
+    return name[0] == '/' && begins && length < 200 && strspn(name, allowed) == length;
 }
 
 static int serve_topics(server *s, bool is_odometry) {
@@ -304,7 +308,9 @@ static bool check_topics(cli *c) {
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         const char *name = cli_text(c, names[i]);
         if (name && !is_topic(name)) {
-            cli_usage(c, "--%s: '%s' is no topic: '/' and letters, digits, '_', as /auv/pose",
+            cli_usage(c,
+                      "--%s: '%s' is no topic: '/' and letters, '_', digits but not first, as "
+                      "/auv/pose",
                       names[i], name);
             return false;
         }

@@ -329,6 +329,10 @@ def test_options_that_do_not_go_together():
                               (("--ros2", "--format", "csv"), "go with lines"),
                               (("--ros2", "--pose-topic", "auv pose"), "is no topic"),
                               (("--ros2", "--topics", "/a//b"), "is no topic"),
+                              (("--ros2", "--topics", "/"), "is no topic"),
+                              (("--ros2", "--topics", "/a/"), "is no topic"),
+                              (("--ros2", "--pose-topic", "/1abc"), "is no topic"),
+                              (("--ros2", "--topics", "/auv/2nd"), "is no topic"),
                               (("--ros2", "--pose-type", "twist"), "pose")):
             done = asdic("serve", scene, *options).check(code=2, out="")
             tap.contains(done.err, text)
