@@ -67,7 +67,7 @@ static void remark_rays(const asdic_mission *m, asdic_remarks *out) {
     if (f.is_rough && out->count < ASDIC_MOST_REMARKS) {
         char more[64] = "";
         if (f.is_auto) { /* and few all the same: as many as it ever takes */
-            snprintf(more, sizeof more, "; --rays or --tolerance takes more");
+            snprintf(more, sizeof more, "; a number of your own, or a tolerance, takes more");
         } else if (f.auto_rays > f.rays) {
             snprintf(more, sizeof more, "; 'rays: auto' would take %u", f.auto_rays);
         }

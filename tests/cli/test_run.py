@@ -121,7 +121,7 @@ def test_rays_follow_the_sonar():
         many = text.replace("count: 64", "count: 1024").replace("length_h_m: 0.3", "length_h_m: 5")
         said = asdic("check", folder.write("many.yaml", many.replace("ping_rate_hz: 20", "ping_rate_hz: 1"))).check(0).err
         tap.contains(said, "rays: 524288 a ping, the most that 'auto' takes, are few for this sonar")
-        tap.contains(said, "; --rays or --tolerance takes more")
+        tap.contains(said, "; a number of your own, or a tolerance, takes more")
 
 
 def test_times_are_said():

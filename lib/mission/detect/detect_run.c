@@ -246,7 +246,7 @@ static bool turns_often(const asdic_detect_job *job) {
 static asdic_status try_to_simulate(asdic_detect_job *job) {
     asdic_log(job->ctx, ASDIC_LOG_NOTE,
               "the background is simulated: so many beams and attitudes take longer to integrate; "
-              "--background flat does");
+              "a flat background does, if it is asked for");
     asdic_status status = simulate_background(job);
     if (status == ASDIC_ERROR_DEVICE) {
         job->background = ASDIC_BACKGROUND_FLAT;
@@ -273,7 +273,7 @@ static asdic_status choose_background(asdic_detect_job *job) {
     if (wanted == ASDIC_BACKGROUND_FLAT && mirrors) {
         asdic_log(job->ctx, ASDIC_LOG_WARNING,
                   "a flat background knows no 'multipath: boundaries', whose echoes pass for "
-                  "targets; --background simulated knows them");
+                  "targets; a simulated background knows them");
     }
     if (is_auto && !is_known && !job->mission) {
         job->background = ASDIC_BACKGROUND_CFAR;

@@ -223,10 +223,10 @@ asdic_status asdic_run_check_room(asdic_context *ctx, const asdic_mission *missi
         return ASDIC_OK;
     }
     return asdic_fail(ctx, ASDIC_ERROR_IO,
-                      "'%s' has room for %s, but %zu pings of %s take %s; choose another disk by "
-                      "--output, fewer pings by --pings, less under 'output' in the scene, or "
-                      "--force",
-                      o->folder, room, count, asdic_bytes_text(each, one), rest);
+                      "'%s' has room for %s, but %zu ping%s of %s take%s %s; choose another disk, "
+                      "fewer pings, less under 'output' in the scene, or --force",
+                      o->folder, room, count, count == 1 ? "" : "s", asdic_bytes_text(each, one),
+                      count == 1 ? "s" : "", rest);
 }
 
 /* --- how long --------------------------------------------------------------------------------- */
