@@ -41,6 +41,18 @@ def test_arrays_that_are_no_mesh():
         error = raises(kind, part, scene.add_mesh, corners, facets)
         tap.equal(len(str(error).splitlines()), 1, f"one sentence: {error}")
     tap.equal(len(scene.objects), 0, "nothing of them is kept")
+    raises(asdic.ArgumentError, "vertices are rows of different lengths", scene.add_mesh, [[0, 0, 0], [1, 0]], FACET)
+    raises(asdic.ArgumentError, "triangles have masked corners", scene.add_mesh, CORNERS,
+           np.ma.masked_array(FACET * 2, [[False] * 3, [False, False, True]]))
+    for kind, part, north, depth in (
+            (TypeError, "depth_m are of type <U4; they must be numbers", [0, 1], [["deep", "1"], ["2", "3"]]),
+            (TypeError, "depth_m are of type complex128", [0, 1], np.ones((2, 2), complex)),
+            (TypeError, "depth_m are of type timedelta64[s]", [0, 1], np.ones((2, 2), "m8[s]")),
+            (TypeError, "north_m are of type <U1", ["a", "b"], np.ones((2, 2))),
+            (asdic.ArgumentError, "depth_m are rows of different lengths", [0, 1], [[1, 2], [3]]),
+            (asdic.ArgumentError, "north_m is 5 throughout; a grid has two lines or more", [5, 5], np.ones((2, 2)))):
+        raises(kind, part, scene.set_terrain, north, [0, 1], depth)
+    tap.equal(scene.bottom, None, "no bottom")
     raises(asdic.ArgumentError, "depth_m has the shape (2, 3)", scene.set_terrain, [0, 1, 2], [0, 1], np.zeros((2, 3)))
     raises(asdic.ArgumentError, "east_m goes to and fro", scene.set_terrain, [1, 0], [0, 2, 1], np.zeros((2, 3)))
     raises(asdic.ArgumentError, "depth_m is -20 to -15 m, above the sea surface; depths are positive down",
@@ -140,6 +152,30 @@ def test_words_and_numbers():
     raises(asdic.ArgumentError, "f_kHz", asdic.model, "absorption", f_kHz=1)
 
 
+def test_text_that_is_none():
+    """Half of a pair of surrogates, which no file and no terminal can have."""
+    half, scene = "\ud800", pool()
+    scene.objects[0]["name"] = half
+    for function, *args in ((asdic.plan, scene), (asdic.simulate, scene), (scene.saved_json,), (asdic.plan, half),
+                            (asdic.Run, half), (asdic.model, half), (asdic.Scene.open, half)):
+        raises(asdic.ArgumentError, "has '\\ud800' in it, which no file can hold", function, *args)
+    raises(asdic.ArgumentError, "which no file can hold", asdic.model, "absorption", f_khz=half)
+    with tempfile.TemporaryDirectory(prefix="asdic-test-") as folder:
+        raises(asdic.ArgumentError, "which no file can hold", scene.save, os.path.join(folder, "saved"))
+        tap.equal(os.listdir(folder), [], "nothing was written")
+
+
+def test_places_where_nothing_can_be_saved():
+    with tempfile.TemporaryDirectory(prefix="asdic-test-") as folder:
+        path = os.path.join(folder, "file")
+        with open(path, "w", encoding="ascii"):
+            pass
+        for place, why in ((path, "File exists"), (os.path.join(path, "below"), "Not a directory"), ("/proc/none", "No such")):
+            error = raises(asdic.FileError, why, pool().save, place)
+            tap.contains(str(error), f"the scene cannot be saved in '{place}': ")
+            raises(asdic.FileError, place, asdic.simulate, pool(), place)
+
+
 def test_vehicles_in_the_bottom():
     """From there a sonar would hear a sea without a bottom."""
     need_device()
@@ -195,7 +231,7 @@ def test_output_that_exists():
         tap.equal(issubclass(asdic.ExistsError, FileExistsError), True, "as Python calls it")
         tap.equal(len(asdic.simulate(pool(), out, force=True)), 3, "replaced")
         tap.equal(len(asdic.simulate(pool(), out, resume=True)), 3, "resumed")
-        raises(FileNotFoundError, "/proc/run", asdic.simulate, pool(), "/proc/run")
+        raises(asdic.FileError, "/proc/run", asdic.simulate, pool(), "/proc/run")
         path = pool().save(os.path.join(folder, "saved"))
         raises(asdic.FileError, "/proc/run", asdic.simulate, path, "/proc/run")
         other = pool(bottom={"depth_m": 13})
@@ -215,15 +251,76 @@ def test_output_that_exists():
         raises(asdic.InputError, "pings.npy", asdic.Run, out)
 
 
+def contents(folder):
+    """The files of a folder, by name."""
+    found = {}
+    for name in sorted(os.listdir(folder)):
+        with open(os.path.join(folder, name), "rb") as file:
+            found[name] = file.read()
+    return found
+
+
+def test_a_failed_call_changes_nothing():
+    """Neither an old run, which keeps its scene and goes on, nor a folder that was not there."""
+    need_device()
+    with tempfile.TemporaryDirectory(prefix="asdic-test-") as folder:
+        out, fresh = (os.path.join(folder, name) for name in ("run", "fresh"))
+        scene, other = pool(), pool(bottom={"depth_m": 13})
+        other.add_mesh(np.array(CORNERS) + [9, 0, 6], FACET, name="facet")
+        reads = pool(mission={"track": os.path.join(out, "track.csv")})
+        asdic.simulate(scene, out)
+        before = contents(out)
+
+        def stop(*_):
+            raise OverflowError("enough")
+        for kind, keys in ((asdic.ArgumentError, {"rays": 1}), (asdic.ArgumentError, {"sampler": "best"}),
+                           (TypeError, {"seed": 0.5}), (asdic.ArgumentError, {"pings": slice(9, 12)}),
+                           (TypeError, {"pings": 3}), (asdic.DeviceError, {"device": "name:none such"}),
+                           (asdic.ArgumentError, {"tolerance_db": float("nan")}),
+                           (OverflowError, {"tolerance_db": 0.5, "progress": stop})):
+            raises(kind, "", asdic.simulate, other, out, force=True, **keys)
+            tap.equal(contents(out) == before, True, f"the old run after {keys}")
+            raises(kind, "", asdic.simulate, other, fresh, **keys)
+            tap.equal(os.path.exists(fresh), False, f"a folder after {keys}")
+        # What the library refuses with the scene in its place: a track that the run would write over.
+        raises(asdic.ExistsError, "which the scene reads", asdic.simulate, reads, out, force=True)
+        tap.equal(contents(out) == before, True, "the old run")
+        tap.equal(len(asdic.simulate(scene, out, resume=True)), 3, "it goes on")
+        raises(asdic.FileError, "File name too long", asdic.simulate, scene, os.path.join(folder, "f" * 300))
+        tap.equal(len(asdic.simulate(other, fresh)), 3, "the corrected call")
+        tap.equal(set(asdic.detect(fresh).classes["name"]) >= {"ball", "facet"}, True, "objects keep their names")
+
+
+def test_a_run_that_was_replaced():
+    """Says so: its levels are those of its file, which is gone, and the rest would be the new run's."""
+    need_device()
+    output = {"csv": "none", "images": [], "truth": True}
+    with tempfile.TemporaryDirectory(prefix="asdic-test-") as folder:
+        run = asdic.simulate(pool(output=output), folder)
+        levels, seed = run.level_db.copy(), run.info["seed"]
+        same = asdic.Run(folder)
+        run.detect()
+        expected = same.expect(1).level_db
+        tap.equal((len(same.truth), len(expected)), (3, 2), "a run that is there")
+        other = asdic.simulate(pool(output=output), folder, force=True, seed=99, pings=slice(0, 2))
+        for look in (run.detect, lambda: run.truth, lambda: asdic.detect(run), lambda: run.pressure):
+            raises(asdic.InputError, f"'{folder}' was written anew since this run was opened; open it again "
+                   "by asdic.Run", look)
+        tap.equal((run.info["seed"], np.array_equal(run.level_db, levels, equal_nan=True)), (seed, True), "its own")
+        tap.equal(np.array_equal(run.expect(1).level_db, expected, equal_nan=True), True, "what was expected of it")
+        tap.equal((other.info["seed"], len(asdic.Run(folder).truth)), (99, 2), "the new one")
+
+
 def test_arrays_that_are_no_poses():
     need_device()
     with asdic.Simulator(pool()) as sonar:
         raises(asdic.ArgumentError, "(2,)", sonar.pings, [1.0, 2.0])
         raises(asdic.ArgumentError, "(1, 4)", sonar.pings, [[0, 0, 5, 0]])
-        raises(asdic.ArgumentError, "<U1", sonar.pings, [["a", "b", "c"]])
+        raises(TypeError, "poses are of type <U1; they must be numbers", sonar.pings, [["a", "b", "c"]])
         raises(asdic.ArgumentError, "pose 1 is [0.0, nan, 5.0]", sonar.pings, [[0, 0, 5], [0, np.nan, 5]])
         raises(asdic.ArgumentError, "pose 0 is [0.0, 0.0, nan]", sonar.pings, np.ma.masked_equal([[0, 0, 7], [0, 0, 5]], 7))
         raises(asdic.ArgumentError, "pose 0 is", sonar.pings, [[0, 0, -1.0]])
+        raises(asdic.ArgumentError, "poses are rows of different lengths", sonar.pings, [[0, 0, 5], [0, 0]])
         tap.equal((sonar.pings(np.empty((0, 3))), sonar.index), ([], 0), "nothing")
 
 
@@ -416,6 +513,25 @@ def test_remarks_are_warnings():
         warnings.simplefilter("always")
         asdic.model("absorption", f_khz=100, t_degc=10, s_ppt=35, z_m=9000, ph=8)
     tap.equal(["z_m" in str(w.message) for w in said if issubclass(w.category, asdic.Remark)], [True], "a remark")
+
+
+def test_remarks_are_of_the_callers_line():
+    """Of each: where warnings are told once a line, none hides another's."""
+    need_device()
+    import warnings  # pylint: disable=import-outside-toplevel
+    keys = {"f_khz": 100, "t_degc": 10, "s_ppt": 35, "z_m": 9000, "ph": 8}
+    scene = pool(sampling={"rays": 64})
+    scene.add("far", point=-20, position_m=[900, 0, 5])
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("default")
+        asdic.model("absorption", **keys)
+        asdic.model("absorption", **keys)
+        asdic.plan(scene)
+        asdic.simulate(scene)
+        asdic.Simulator(scene)
+    told = [w for w in said if issubclass(w.category, asdic.Remark)]
+    tap.equal({w.filename for w in told}, {__file__}, "files")
+    tap.equal(len({w.lineno for w in told}) >= 4, True, f"lines {[(w.lineno, str(w.message)) for w in told]}")
 
 
 def test_a_scene_from_arrays_warns_once():

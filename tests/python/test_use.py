@@ -1,7 +1,6 @@
 """What users of the Python package do, against what the library and the program give."""
 import csv
 import gc
-import importlib.util
 import json
 import os
 import subprocess
@@ -61,7 +60,23 @@ def test_simulator_gives_the_missions_bytes():
             tap.equal((ping.index, ping.time, ping.altitude), (k, 0.05 * k, 7.0), "facts")
         tap.equal(sonar.index, 3, "pings")
         same(sonar.ranges, run.ranges, "ranges")
-        tap.equal(list(sonar.beams["name"]), [b"forward", b"down"], "beams")
+        tap.equal(list(sonar.beams["name"]), ["forward", "down"], "beams")
+
+
+def test_errors_of_bins_without_energy():
+    """Unknown, of pings as of runs."""
+    need_device()
+    with tempfile.TemporaryDirectory(prefix="asdic-test-"):
+        scene = asdic.Scene.open(os.path.join(ROOT, "data", "scenes", "scenario2_summer.yaml"))
+        scene.model, scene.output = {"terms": "all", "refraction": "full"}, {"csv": "none", "images": []}
+        run = asdic.simulate(scene, rays=2000, pings=slice(0, 1))
+        with asdic.Simulator(scene, rays=2000) as sonar:
+            ping = next(sonar.fly())
+            same(ping.level_db, run.level_db[0], "levels")
+            same(ping.stderr_db, run.stderr_db[0], "errors")
+            tap.equal(bool(np.isnan(ping.stderr_db).any()), True, "bins without energy")
+            again = sonar.ping(0, 0, 5, out=ping)
+            same(np.isnan(again.stderr_db), again.intensity["total"] == 0, "of memory that is used again")
 
 
 def test_pings_of_many_poses():
@@ -247,7 +262,7 @@ def test_own_mesh_is_the_box():
     # In memory, as simulators take it, and as it was saved: the same bytes, and names for detectors.
     ping = next(asdic.Simulator(by_arrays).fly())
     same(ping.level_db, a.level_db[0], "from memory and from the folder")
-    tap.equal(a.detect().classes["name"][0], b"object0", "a detector knows the object")
+    tap.equal(a.detect().classes["name"][0], "object0", "a detector knows the object")
     out = os.path.join(a.folder, "again")
     subprocess.run([os.environ["ASDIC"], "run", "-q", os.path.join(a.folder, "scene.json"), "-o", out], check=True)
     same(asdic.Run(out).level_db, a.level_db, "the program runs what was saved")
@@ -285,6 +300,29 @@ def test_saved_meshes_stay():
         same(asdic.simulate(scene, out, resume=True).level_db, run.level_db, "resumed")
 
 
+def test_meshes_go_with_what_names_them():
+    """A loop over shapes saves and keeps the shape that the scene has; one that is put back is there again."""
+    need_device()
+    scene, at = pool(bottom=None), np.array([-120.0, 120.0])
+    with tempfile.TemporaryDirectory(prefix="asdic-test-") as folder:
+        gone = None
+        for depth in range(12, 32):
+            scene.set_terrain(at, at, np.full((2, 2), float(depth)))
+            if depth == 12:
+                first = dict(scene.bottom)
+            if depth == 13:
+                gone = weakref.ref(next(iter(scene._meshes.values())))
+        scene.save(folder)
+        tap.equal(len([name for name in os.listdir(folder) if name.endswith(".ply")]), 1, "meshes of twenty terrains")
+        tap.equal((gone(), len(scene._meshes)), (None, 1), "and none is left of the others")
+        deep = asdic.simulate(scene)
+        scene.bottom = first
+        tap.equal(len(scene._meshes), 1, "what somebody kept")
+        tap.equal(np.array_equal(asdic.simulate(scene).altitudes, deep.altitudes - 19), True, "is the bottom again")
+        copied = asdic.Scene.open(scene.save(folder))
+        tap.equal(copied._meshes, {}, "of a file")
+
+
 def test_terrain_is_the_plane():
     """A flat grid of depths gives the levels of the plane, as well as rays sample it."""
     need_device()
@@ -305,7 +343,8 @@ def test_terrain_has_holes():
     depth[np.random.default_rng(4).random(depth.shape) < 0.3] = np.nan
     scene = pool(bottom=None)
     scene.set_terrain(np.arange(9.0), np.arange(12.0), depth)
-    [(_, corners, faces)] = scene._meshes.values()  # pylint: disable=protected-access
+    [mesh] = scene._meshes.values()
+    corners, faces = mesh.corners, mesh.indices
     tap.equal(len(corners), int(np.isfinite(depth).sum()), "a vertex a depth")
     a, b, c = (corners[faces[:, k], :2] for k in range(3))
     turn = (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]
@@ -317,8 +356,7 @@ def test_terrain_has_holes():
     tap.equal(len(np.unique(cells, axis=0)), int(np.sum(of_cell >= 3)), "cells")
     masked = pool(bottom=None)
     masked.set_terrain(np.arange(9.0), np.arange(12.0), np.ma.masked_array(np.where(there, depth, -32768), there == 0))
-    [(_, *arrays)] = masked._meshes.values()  # pylint: disable=protected-access
-    tap.equal((arrays[0].tolist(), arrays[1].tolist()), (corners.tolist(), faces.tolist()), "masked ones are holes too")
+    tap.equal(masked._meshes.keys(), scene._meshes.keys(), "masked ones are holes too")
     raises(asdic.ArgumentError, "depth_m is NAN", scene.set_terrain, [0, 1], [0, 1], [[1, np.nan], [np.nan, 1]])
 
 
@@ -326,10 +364,9 @@ def test_arrays_are_views_that_keep_their_owner():
     need_device()
     sonar = asdic.Simulator(pool())
     ping = sonar.ping(0, 0, 5)
-    energy, errors = ping.intensity["total"], ping.stderr_db
+    energy = ping.intensity["total"]
     struct = ping._struct  # pylint: disable=protected-access
     tap.equal(energy.ctypes.data, int(ffi.cast("uintptr_t", struct.intensity_lin[lib.ASDIC_TOTAL])), "address")
-    tap.equal(errors.ctypes.data, int(ffi.cast("uintptr_t", struct.stderr_db)), "address")
     level = ping.level_db.copy()
     del ping, sonar, struct
     gc.collect()
@@ -412,7 +449,7 @@ def test_memory_used_again():
     tap.equal(energy.ctypes.data, second.intensity["total"].ctypes.data, "memory")
     alike = asdic.Simulator(pool(sonar={**pool().sonar, "receivers": [{"name": "a"}, {"name": "b"}]}))
     other = sonar.ping(0, 0, 5, out=alike.ping(0, 0, 5))
-    tap.equal(list(other.beams["name"]), [b"forward", b"down"], "another sonar's memory, this one's beams")
+    tap.equal(list(other.beams["name"]), ["forward", "down"], "another sonar's memory, this one's beams")
 
 
 def test_levels_of_memory_used_again_are_of_the_new_ping():
@@ -444,7 +481,11 @@ def test_detections():
         raises(asdic.ArgumentError, f"targets of {snr_db:g} dB (at most 60)", run.detect, snr_db=snr_db)
     found = run.detect(pfa=1e-3)
     tap.equal(found.report.pings, 3, "pings")
-    tap.equal([name for name in found.classes["name"]][:1], [b"ball"], "classes")
+    tap.equal(found.classes["name"][0], "ball", "classes")
+    tap.equal({(row["object"], row["beam"]) for row in found.sights} <= {("ball", name) for name in run.names}, True, "sights")
+    tap.equal(len(found.sights) > 0, True, "a sight")
+    tap.equal([table.dtype[name].kind for table, name in ((found.classes, "name"), (found.sights, "beam"), (run.beams, "name"))],
+              ["U"] * 3, "text everywhere")
     tap.equal(len(found.table), found.report.detections, "rows")
     tap.equal(float(found.table["range_m"][0]) > 0, True, "numbers")
     tap.equal({name: found.table.dtype[name].kind for name in ("ping", "bin", "beam", "truth", "range_m", "pd")},
@@ -554,10 +595,9 @@ def test_a_run_whose_folder_is_gone():
         run = asdic.simulate(pool(), os.path.join(folder, "r"))
         levels = run.level_db.copy()
         os.remove(os.path.join(folder, "r", "run.json"))
-        raises(asdic.InputError, "run.json: [Errno 2] No such file", lambda: run.info)
-        if importlib.util.find_spec("xarray"):
-            raises(asdic.InputError, "run.json: [Errno 2] No such file", run.to_xarray)
+        raises(asdic.InputError, "run.json: [Errno 2] No such file", run.detect)
         same(run.level_db, levels, "its levels")
+        tap.equal((run.info["seed"], run.info["beams"]), (7, 2), "what run.json said")
 
 
 def test_where_a_run_was():
@@ -584,6 +624,41 @@ def test_where_a_run_was():
     for name, values in said.items():
         for told in (here[name], np.asarray(data[name])):
             tap.equal(np.allclose(told, values, rtol=0, atol=1e-12), True, f"{name}: {told}, not {values}")
+
+
+TEMPORARY = """
+import os, sys, warnings
+import asdic
+from package import pool
+run = asdic.simulate(pool())
+folder = run.folder
+del run
+print(os.path.exists(folder))
+try:
+    asdic.simulate(pool(), rays=1)
+except asdic.ArgumentError:
+    pass
+kept = asdic.simulate(pool())
+print(len(repr(asdic.simulate(pool(), pings=slice(0, 1)))) > 0, os.listdir(os.environ["TMPDIR"]) != [])
+"""
+
+
+def test_temporary_runs_leave_nothing():
+    """No folder, at the interpreter's end neither, and no warning."""
+    need_device()
+    with tempfile.TemporaryDirectory(prefix="asdic-test-") as folder:
+        done = subprocess.run([sys.executable, "-X", "dev", "-W", "error::ResourceWarning", "-c", TEMPORARY],
+                              env={**os.environ, "TMPDIR": folder, "PYTHONPATH": os.environ["PYTHONPATH"] + os.pathsep +
+                                   os.path.dirname(__file__)}, capture_output=True, text=True, check=False, timeout=100)
+        tap.equal((done.returncode, done.stdout, done.stderr), (0, "False\nTrue True\n", ""))
+        tap.equal(os.listdir(folder), [], "what is left")
+
+
+def test_one_ping_is_no_pings():
+    need_device()
+    run = asdic.simulate(pool(), pings=slice(0, 1))
+    tap.equal(repr(run), f"<asdic.Run {run.folder}: 1 ping, 2 beams, 37 bins>", "a run")
+    tap.contains(repr(run.detect(pfa=1e-9)), " of 1 ping>")
 
 
 class OverAtOnce(threading.Thread):

@@ -128,7 +128,7 @@ def model(name: str, *, device: str | None = None, **keys: float | str) -> float
     """
     context = Context()
     given = {key: value if isinstance(value, str) else repr(number(value, key)) for key, value in keys.items()}
-    assignments = [ffi.new("char[]", f"{key}={value}".encode()) for key, value in given.items()]
+    assignments = [ffi.new("char[]", encoded(f"{key}={value}", key)) for key, value in given.items()]
     devices = open_devices(context, device) if device is not None else None
     out = ffi.new("double *")
     context.run(lib.asdic_model_evaluate, context.pointer, devices.pointer[0] if devices else ffi.NULL,

@@ -194,7 +194,7 @@ def warn(message: str) -> None:
     depth, frame = 2, sys._getframe(1)  # pylint: disable=protected-access
     while frame.f_back and frame.f_code.co_filename.startswith(PACKAGE):
         depth, frame = depth + 1, frame.f_back
-    warnings.warn(message, Remark, stacklevel=depth - 1)
+    warnings.warn(message, Remark, stacklevel=depth)
 
 
 class _CtrlC:
@@ -390,7 +390,10 @@ def encoded(value: Any, what: str) -> bytes:
     """A str or path for the library."""
     if not isinstance(value, (str, bytes, os.PathLike)):
         raise TypeError(f"{what} is a {type(value).__name__}; it must be text")
-    result = os.fsencode(value)
+    try:
+        result = os.fsencode(value)
+    except UnicodeEncodeError as error:
+        raise fail(ArgumentError, f"{what} has {error.object[error.start:error.end]!r} in it, which no file can hold") from error
     if b"\0" in result:
         raise fail(ArgumentError, f"{what} has a zero byte in it")
     return result
@@ -426,9 +429,30 @@ MASKED: Any = np.ma
 """numpy.ma, whose functions have no types."""
 
 
-def doubles(values: ArrayLike) -> np.ndarray:
-    """VALUES in double precision; NAN where a masked array, as netCDF4 reads files, has none."""
-    return np.asarray(MASKED.filled(MASKED.asarray(values, dtype=np.float64), np.nan))
+def masked(values: ArrayLike, what: str) -> Any:
+    """VALUES as a masked array, as netCDF4 reads files."""
+    try:
+        return MASKED.asarray(values)
+    except ValueError as error:
+        raise fail(ArgumentError, f"{what} are rows of different lengths") from error
+
+
+def numbers(values: ArrayLike, what: str, kinds: str = "fiu") -> Any:
+    """VALUES as a masked array of numbers of these KINDS."""
+    array = masked(values, what)
+    if array.dtype.kind not in kinds:
+        raise TypeError(f"{what} are of type {array.dtype}; they must be {'numbers' if 'f' in kinds else 'integers'}")
+    return array
+
+
+def doubles(values: ArrayLike, what: str) -> np.ndarray:
+    """VALUES in double precision; NAN where they are masked."""
+    return np.asarray(MASKED.filled(numbers(values, what).astype(np.float64, copy=False), np.nan))
+
+
+def counted(count: int, what: str) -> str:
+    """COUNT of WHAT: "1 ping", "2 pings"."""
+    return f"{count} {what}{'s' * (count != 1)}"
 
 
 class _Memory:  # pylint: disable=too-few-public-methods
@@ -452,6 +476,17 @@ def view(pointer: Any, shape: tuple[int, ...], dtype: Any, owner: Any) -> np.nda
         "version": 3, "typestr": "|u1", "shape": (math.prod(shape) * dtype.itemsize,),
         "data": (int(ffi.cast("uintptr_t", pointer)), True)}
     return np.asarray(memory).view(dtype).reshape(shape)
+
+
+def table(pointer: Any, count: int, kind: str, owner: Any) -> np.ndarray:
+    """A copy of the library's COUNT structs at POINTER, whose names are text."""
+    rows = view(pointer, (count,), dtype_of(kind), owner)
+    types = {name: np.dtype(f"U{rows.dtype[name].itemsize}") if rows.dtype[name].kind == "S" else rows.dtype[name]
+             for name in rows.dtype.names or ()}
+    result = np.empty(count, list(types.items()))
+    for name, dtype in types.items():
+        result[name] = np.char.decode(rows[name], "utf-8", "replace") if dtype.kind == "U" else rows[name]
+    return result
 
 
 @functools.lru_cache(maxsize=None)

@@ -10,8 +10,8 @@ from typing import Any, Callable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._library import (MASKED, ArgumentError, Context, Fields, Handle, Progress, doubles, dtype_of, encoded, fail,
-                       ffi, fields, lib, number, open_devices, value_of, view, whole, words)
+from ._library import (ArgumentError, Context, Fields, Handle, Progress, counted, doubles, encoded, fail, ffi, fields,
+                       lib, masked, number, open_devices, table, value_of, whole, words)
 from ._scene import SceneLike, choose_sampling, load_mission
 
 PARTS = tuple(word for word in words("asdic_component") if word != "total")
@@ -54,8 +54,7 @@ class Levels(Mapping[str, np.ndarray]):
 
 def beams_of(sonar: Any) -> np.ndarray:
     """The receivers: a structured array with name, pitch_rad, yaw_rad, ...; of a scanned sonar its head's."""
-    count = int(sonar.receiver_count)
-    return view(sonar.receivers, (count,), dtype_of("asdic_beam"), None).copy()
+    return table(sonar.receivers, int(sonar.receiver_count), "asdic_beam", None)
 
 
 COMPONENTS = words("asdic_component")
@@ -95,6 +94,7 @@ class Ping:
     """Simulated time, s."""
     _altitude = math.nan
     _level_db: np.ndarray | None = None
+    _stderr_db: np.ndarray | None = None
     _at: tuple[_Mount, tuple[float, ...]] | None = None  # the vehicle, and where it was
     truth: Mapping[str, np.ndarray] | None = None
     """What each bin's energy comes from, by name (docs/dataset.md); None where it was not asked for."""
@@ -131,11 +131,14 @@ class Ping:
             "path": [at[name.replace("-", "_")] for name in PATHS]})
         self._struct.truth = self._truth
 
-    @functools.cached_property
+    @property
     def stderr_db(self) -> np.ndarray:
-        """One standard error of the level's sampling, dB; NAN of a coherent ping."""
-        errors: np.ndarray = self._memory[HEAD + len(COMPONENTS) * math.prod(self._shape):].view(np.float32)
-        return errors[:math.prod(self._shape)].reshape(self._shape)
+        """One standard error of the level's sampling, dB; NAN where there is no energy, and of a coherent ping."""
+        if self._stderr_db is None:
+            size = math.prod(self._shape)
+            errors = self._memory[HEAD + len(COMPONENTS) * size:].view(np.float32)[:size].reshape(self._shape)
+            self._stderr_db = np.where(self._energies[COMPONENTS["total"]] > 0, errors, np.float32(np.nan))
+        return self._stderr_db
 
     @functools.cached_property
     def _energies(self) -> np.ndarray:
@@ -215,7 +218,7 @@ class Ping:
 
     def __repr__(self) -> str:
         beams, bins = self._shape
-        return f"<asdic.Ping {self.index}: {beams} beams, {bins} bins of {self.bin_length_m:g} m>"
+        return f"<asdic.Ping {self.index}: {counted(beams, 'beam')}, {counted(bins, 'bin')} of {self.bin_length_m:g} m>"
 
 
 class Simulator:
@@ -300,8 +303,8 @@ class Simulator:
              out: Ping | None = None) -> Ping:
         """The next ping, of a vehicle at X north, Y east, Z down (m), turned by ROLL, PITCH, YAW (degrees).
 
-        OUT is an earlier ping whose memory may be used again: its energies, errors, truth and pressure change with it,
-        and its levels are made anew when they are asked for.
+        OUT is an earlier ping whose memory may be used again: its energies, truth and pressure change with it, and its
+        levels and errors are made anew when they are asked for.
         """
         at: tuple[float, ...] = (x, y, z, roll, pitch, yaw)
         for value in at:
@@ -327,13 +330,12 @@ class Simulator:
 
         The same pings as one by one, in fewer calls of the library, which may simulate some together.
         """
-        rows = MASKED.asarray(poses)
+        rows = masked(poses, "poses")
         if rows.shape == (0,):  # numpy sees no columns in []
             return []
-        if rows.ndim != 2 or rows.shape[1] not in (3, 6) or rows.dtype.kind not in "fiu":
-            raise fail(ArgumentError, f"poses have the shape {rows.shape} of {rows.dtype}; they must be numbers of shape "
-                       "(n, 3) or (n, 6)")
-        rows = doubles(rows)
+        if rows.ndim != 2 or rows.shape[1] not in (3, 6):
+            raise fail(ArgumentError, f"poses have the shape {rows.shape}; it must be (n, 3) or (n, 6)")
+        rows = doubles(rows, "poses")
         bad = ~np.isfinite(rows).all(axis=1) | ~((rows[:, 2] >= 0.0) & (rows[:, 2] <= 11000.0))
         if bad.any():
             first = int(np.flatnonzero(bad)[0])
@@ -390,7 +392,7 @@ class Simulator:
                        f"and {self.bins} bins, {'with' if self._truth else 'without'} truth, "
                        f"{f'with {samples[1]} samples of pressure' if samples else 'without pressure'}")
         out.beams = self.beams
-        for name in ("_level_db", "_pose"):  # what was made of the old ping
+        for name in ("_level_db", "_stderr_db", "_pose"):  # what was made of the old ping
             out.__dict__.pop(name, None)
         out._made.clear()  # which `parts` that somebody kept share
         return out
@@ -428,7 +430,8 @@ class Simulator:
         return self._handle.__reduce__()
 
     def __repr__(self) -> str:
-        return f"<asdic.Simulator: {len(self.beams)} beams, {self.bins} bins, {self.rays} rays, {self.index} pings so far>"
+        return f"<asdic.Simulator: {counted(len(self.beams), 'beam')}, {counted(self.bins, 'bin')}, {self.rays} rays, " \
+               f"{counted(self.index, 'ping')} so far>"
 
 
 def expected(context: Context, flat: Any, environment: Any, sonar: Any, pose: Any, bins: int) -> Ping:

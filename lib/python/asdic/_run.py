@@ -1,18 +1,20 @@
 """Runs: simulated into a folder, read from it as arrays, judged by detectors."""
 from __future__ import annotations
 
+import contextlib
 import csv
 import functools
 import json
 import math
 import os
+import shutil
 import tempfile
-from typing import TYPE_CHECKING, Any, Sequence, Union
+from typing import TYPE_CHECKING, Any, Iterator, Sequence, Union
 
 import numpy as np
 
-from ._library import (ArgumentError, Context, ExistsError, Fields, Handle, InputError, Progress, dtype_of, encoded,
-                       fail, ffi, fields, lib, number, open_devices, value_of, view, warn, whole)
+from ._library import (ArgumentError, Context, ExistsError, Fields, FileError, Handle, InputError, Progress, counted,
+                       encoded, fail, ffi, fields, lib, number, open_devices, table, value_of, warn, whole)
 from ._ping import PARTS, Levels, Ping, beams_of, expected
 from ._scene import Scene, SceneLike, choose_sampling, load_mission, remarks
 
@@ -42,31 +44,81 @@ def _keep_tolerance(context: Context, mission: Handle, devices: Handle, toleranc
     if budget.judged == 0:
         warn(f"no bin is above the noise, so that none can keep {tolerance_db:g} dB; the {budget.rays} rays a ping stay")
     elif not budget.is_kept:
-        warn(f"{budget.rough_count} of {budget.judged} bins, in the {budget.pings} pings looked at, stay above {tolerance_db:g} dB "
-             f"with {budget.rays} rays a ping")
+        warn(f"{budget.rough_count} of {budget.judged} bins, in the {counted(budget.pings, 'ping')} looked at, stay above "
+             f"{tolerance_db:g} dB with {budget.rays} rays a ping")
 
 
-def _kept(scene: SceneLike, folder: Folder, force: bool, resume: bool) -> SceneLike:
-    """SCENE, saved in the run's FOLDER if it is in memory: detectors read it there, and so does the program."""
+def _content(path: str) -> bytes | None:
+    """What a file holds; None where it cannot be read."""
+    try:
+        with open(path, "rb") as file:
+            return file.read()
+    except OSError:
+        return None
+
+
+def _place(scene: SceneLike, folder: str, force: bool, resume: bool) -> str | None:
+    """Where a SCENE in memory is kept: in the run's FOLDER, where detectors read it, and so does the program. None: it is a
+    file, or the library refuses the folder."""
     if not isinstance(scene, Scene):
-        return scene
+        return None
     path = os.path.join(folder, "scene.json")
-    is_other = False
-    if os.path.isfile(path):
-        with open(path, encoding="utf-8", errors="replace") as file:
-            is_other = file.read() != scene.saved_json()
-        if resume and is_other:
-            raise fail(InputError, f"{path} is not the scene to be resumed; force begins anew")
-        if resume:
-            return path
-    if os.path.exists(os.path.join(folder, "run.json")) and not force:
-        return scene  # refused below
+    there = _content(path)
+    is_other = there not in (None, scene.saved_json().encode(errors="surrogateescape"))
+    if resume and is_other:
+        raise fail(InputError, f"{path} is not the scene to be resumed; force begins anew")
+    goes_on = resume and there is not None
+    if os.path.exists(os.path.join(folder, "run.json")) and not force and not goes_on:
+        return None
     if is_other and not force:
         raise fail(ExistsError, f"{path} is there, and is another scene; force replaces it")
-    context = Context()
-    context.is_quiet = True  # what is saved warns of the same
-    load_mission(context, scene)  # nothing is written of a scene with errors
-    return scene.save(folder)
+    return path
+
+
+@contextlib.contextmanager
+def _saved(scene: Scene, path: str) -> Iterator[None]:
+    """Saves SCENE at PATH. If what follows fails and leaves no run of its own, the folder is as it was."""
+    folder = os.path.dirname(path)
+    run = os.path.join(folder, "run.json")
+    there, earlier = _content(path), _content(run)
+    meshes = (os.path.join(folder, name) for name in scene._meshes)  # pylint: disable=protected-access
+    made = [mesh for mesh in meshes if not os.path.exists(mesh)] + [path] * (there is None)
+    folders, parent = [], os.path.abspath(folder)
+    while not os.path.isdir(parent):
+        folders.append(parent)
+        parent = os.path.dirname(parent)
+    try:
+        scene.save(folder)
+        yield
+    except BaseException:
+        if _content(run) in (None, earlier):
+            for remove, one in [(os.remove, file) for file in made] + [(os.rmdir, empty) for empty in folders]:
+                with contextlib.suppress(OSError):
+                    remove(one)
+            if there is not None:
+                with open(path, "wb") as file:
+                    file.write(there)
+        raise
+
+
+def _again(context: Context, mission: Handle, path: str) -> Handle:
+    """MISSION as its file at PATH has it, which warns of the same."""
+    sampling = ffi.new("asdic_sampling *", lib.asdic_mission_sampling(mission.pointer)[0])
+    mission.close()
+    context.is_quiet = True
+    found = load_mission(context, path)
+    context.is_quiet = False
+    lib.asdic_mission_sampling(found.pointer)[0] = sampling[0]
+    return found
+
+
+def _temporary() -> Handle:
+    """A folder, the handle's pointer, that goes with it."""
+    try:
+        place = [tempfile.mkdtemp(prefix="asdic-")]
+    except OSError as error:
+        raise fail(FileError, f"no temporary folder can be made: {error.strerror}; give a folder") from error
+    return Handle("temporary folder", place, lambda made: shutil.rmtree(made[0], ignore_errors=True))
 
 
 def simulate(scene: SceneLike, folder: Folder | None = None, *, device: str | None = None, rays: int | None = None,
@@ -75,19 +127,18 @@ def simulate(scene: SceneLike, folder: Folder | None = None, *, device: str | No
              progress: Progress | bool = None) -> Run:
     """Simulates the pings of a scene, as `asdic run` does, and returns the run.
 
-    SCENE is a scene file or an asdic.Scene, which is saved in the folder. FOLDER is kept; without one the run is in a temporary folder that
-    goes with the run (its arrays stay). DEVICE: "auto", "all", "cpu", "gpu", "0:0", "name:TEXT". TOLERANCE_DB
-    doubles the rays until 99 % of the bins keep it. PINGS: a slice or range of the mission's.
+    SCENE is a scene file or an asdic.Scene, which is saved in the folder. FOLDER is kept; without one the run is in a
+    temporary folder that goes with the run (its arrays stay). DEVICE: "auto", "all", "cpu", "gpu", "0:0", "name:TEXT".
+    TOLERANCE_DB doubles the rays until 99 % of the bins keep it. PINGS: a slice or range of the mission's.
 
     PROGRESS: True for a bar, or a function of (what, done, total), called in this thread; what it raises stops
     the run. Ctrl-C stops at the next ping; what was simulated until then is in FOLDER, and RESUME goes on.
     """
     context = Context(progress)
-    temporary = None
-    if folder is None:
-        temporary = tempfile.TemporaryDirectory(prefix="asdic-")  # pylint: disable=consider-using-with
-        folder = os.path.join(temporary.name, "run")
-    mission = load_mission(context, _kept(scene, folder, force, resume))
+    temporary = _temporary() if folder is None else None
+    folder = os.fsdecode(encoded(folder, "folder")) if temporary is None else os.path.join(temporary.pointer, "run")
+    place = _place(scene, folder, force, resume)
+    mission = load_mission(context, scene)
     choose_sampling(mission, rays, seed, sampler)
     for remark in remarks(mission):
         warn(remark)
@@ -100,7 +151,10 @@ def simulate(scene: SceneLike, folder: Folder | None = None, *, device: str | No
     options.folder, options.force, options.resume = path, bool(force), bool(resume)
     options.first, options.count = first, count
     options.progress, options.user = lib.asdic_python_run_progress, context.progress_user
-    context.run(lib.asdic_mission_run, context.pointer, mission.pointer, devices.pointer, devices.count, options)
+    with _saved(scene, place) if isinstance(scene, Scene) and place else contextlib.nullcontext():
+        if place:
+            mission = _again(context, mission, place)
+        context.run(lib.asdic_mission_run, context.pointer, mission.pointer, devices.pointer, devices.count, options)
     return Run(folder, _keep=temporary)
 
 
@@ -116,6 +170,7 @@ class Run:
         self._context = Context()
         self._run = self._context.make("asdic_run", lib.asdic_run_close, lib.asdic_run_open, self._context.pointer,
                                        encoded(folder, "folder"), keeps=(_keep,))
+        self._described = self._describe()
         info = self._info()
         path = os.path.join(self.folder, "pings.npy")
         try:
@@ -134,15 +189,24 @@ class Run:
     def _info(self) -> Any:
         return lib.asdic_run_get_info(self._run.pointer)
 
+    def _describe(self) -> bytes:
+        """run.json, which no two runs share: it ends in a sum of bytes and says how long each took."""
+        path = os.path.join(self.folder, "run.json")
+        try:
+            with open(path, "rb") as file:
+                return file.read()
+        except OSError as error:
+            raise fail(InputError, f"{path}: {error}") from error
+
+    def _refuse_another(self) -> None:
+        """Before the folder is looked at again: what is mapped stays the old run's when that was replaced."""
+        if self._describe() != self._described:
+            raise fail(InputError, f"'{self.folder}' was written anew since this run was opened; open it again by asdic.Run")
+
     @functools.cached_property
     def info(self) -> dict[str, Any]:
         """run.json: version, scene, devices, times, errors, remarks."""
-        path = os.path.join(self.folder, "run.json")
-        try:
-            with open(path, encoding="utf-8") as file:
-                return dict(json.load(file))
-        except (OSError, ValueError) as error:
-            raise fail(InputError, f"{path}: {error}") from error
+        return dict(json.loads(self._described))
 
     @property
     def sonar(self) -> Fields:
@@ -190,6 +254,7 @@ class Run:
         return self._beside("elements.npy", "elements")
 
     def _beside(self, name: str, key: str) -> np.ndarray:
+        self._refuse_another()
         path = os.path.join(self.folder, name)
         try:
             array: np.ndarray = np.load(path, mmap_mode="r")
@@ -239,14 +304,14 @@ class Run:
     @property
     def names(self) -> list[str]:
         """The beams' names."""
-        return [name.decode() for name in self.beams["name"]]
+        return list(self.beams["name"].tolist())
 
     def __len__(self) -> int:
         return len(self.records)
 
     def __repr__(self) -> str:
         beams, bins = self.records.dtype["level_db"].shape
-        return f"<asdic.Run {self.folder}: {len(self)} pings, {beams} beams, {bins} bins>"
+        return f"<asdic.Run {self.folder}: {counted(len(self), 'ping')}, {counted(beams, 'beam')}, {counted(bins, 'bin')}>"
 
     def expect(self, ping: int = 0, *, progress: Progress | bool = None) -> Ping:
         """What is expected of record PING over a flat bottom without any object."""
@@ -296,9 +361,9 @@ class Detections:
         struct = handle.pointer
         self.report: Fields = fields(struct)
         """The numbers of asdic_detect_report: pfa, tracks, sampling_error_db, ..."""
-        self.classes = view(struct.classes, (struct.class_count,), dtype_of("asdic_detect_class"), handle)
+        self.classes = table(struct.classes, struct.class_count, "asdic_detect_class", handle)
         """A row of the confusion table each: name, bins, detected, expected."""
-        self.sights = view(struct.sights, (struct.sight_count,), dtype_of("asdic_detect_sight"), handle)
+        self.sights = table(struct.sights, struct.sight_count, "asdic_detect_sight", handle)
         """Each object as each beam saw it: object, beam, pings_seen, pings_detected, snr_db, pd."""
         with open(os.path.join(run.folder, "detections.csv"), encoding="utf-8", newline="") as file:
             self._lines = file.readlines()  # another detection replaces the file
@@ -315,7 +380,8 @@ class Detections:
         return table
 
     def __repr__(self) -> str:
-        return f"<asdic.Detections: {self.report.detections} in {self.report.bins} bins of {self.report.pings} pings>"
+        return f"<asdic.Detections: {self.report.detections} in {counted(self.report.bins, 'bin')} of " \
+               f"{counted(self.report.pings, 'ping')}>"
 
 
 def _column(name: str, values: Sequence[str]) -> np.ndarray:
@@ -356,6 +422,7 @@ def detect(run: Run | Folder, *, pfa: float | None = None, target: str | None = 
     FORCE replaces what an earlier call left.
     """
     run = run if isinstance(run, Run) else Run(run)
+    run._refuse_another()  # pylint: disable=protected-access
     context = Context(progress)
     options = ffi.new("asdic_detect_options *", lib.asdic_detect_options_default())
     options.detector = detector = _detector(run, pfa, target, prior, snr_db, cost_ratio)

@@ -5,13 +5,13 @@ import hashlib
 import itertools
 import json
 import os
-from typing import Any, Container, Iterable, Mapping, Sequence, Union
+from typing import Any, Container, Iterable, Iterator, Mapping, Sequence, Union
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._library import (ArgumentError, Context, FileError, Handle, doubles, encoded, fail, ffi, lib, text, value_of,
-                       whole)
+from ._library import (MASKED, ArgumentError, Context, FileError, Handle, counted, doubles, encoded, fail, ffi, lib, masked,
+                       numbers, text, value_of, whole)
 
 Keys = Mapping[str, Any]
 SECTIONS = ("environment", "surface", "bottom", "sonar", "mission", "sampling", "model", "detector", "output")
@@ -34,18 +34,56 @@ def _plain(value: Any) -> Any:
 
 def _json(sections: Keys) -> str:
     """A scene file's text. YAML knows no pairs of surrogates, which JSON's escapes have beyond U+FFFF: without escapes."""
-    return json.dumps(sections, default=_plain, ensure_ascii=False, indent=1)
+    result = json.dumps(sections, default=_plain, ensure_ascii=False, indent=1)
+    encoded(result, "the scene")
+    return result
 
 
-def _array(values: ArrayLike, kinds: str, what: str) -> np.ndarray:
-    """VALUES as an array [n, 3] of numbers of these KINDS."""
-    array = np.asarray(values)
+def _rows(values: ArrayLike, what: str) -> Any:
+    """VALUES as an array [n, 3], perhaps masked."""
+    array = masked(values, what)
     if array.ndim != 2 or array.shape[1] != 3 or len(array) == 0:
         raise fail(ArgumentError, f"{what} have the shape {array.shape}; it must be (n, 3)")
-    if array.dtype.kind not in kinds:
-        raise TypeError(f"{what} are of type {array.dtype}; they must be "
-                        f"{'integers' if 'f' not in kinds else 'numbers'}")
     return array
+
+
+class _Mesh(str):
+    """A mesh from arrays, and its name, by which a scene has it: it is there as long as anything is called so.
+
+    No other mesh has that name, whatever folder it is saved in.
+    """
+
+    corners: np.ndarray
+    indices: np.ndarray
+    handle: Handle
+
+    def __new__(cls, vertices: ArrayLike, triangles: ArrayLike) -> _Mesh:
+        corners = np.array(doubles(_rows(vertices, "vertices"), "vertices"), order="C")
+        found = numbers(_rows(triangles, "triangles"), "triangles", "iu")
+        if MASKED.is_masked(found):
+            raise fail(ArgumentError, "triangles have masked corners; leave those triangles out")
+        if found.min() < 0 or found.max() >= len(corners):
+            worst = found.min() if found.min() < 0 else found.max()
+            raise fail(ArgumentError, f"a triangle has the corner {worst}, but there are {len(corners)} vertices")
+        indices, context = np.array(found, dtype=np.uint32, order="C"), Context()
+        mesh = super().__new__(cls, f"mesh_{hashlib.sha256(corners.tobytes() + indices.tobytes()).hexdigest()[:16]}.ply")
+        mesh.corners, mesh.indices = corners, indices
+        mesh.handle = context.make(
+            "asdic_mesh", lib.asdic_mesh_destroy, lib.asdic_mesh_from_triangles, context.pointer,
+            ffi.from_buffer("double[]", corners), len(corners), ffi.from_buffer("uint32_t[]", indices), len(indices))
+        return mesh
+
+    def __reduce__(self) -> Any:
+        return _Mesh, (self.corners, self.indices)
+
+
+def _meshes_in(value: Any) -> Iterator[_Mesh]:
+    """The meshes from arrays that VALUE, a part of a scene, names."""
+    if isinstance(value, _Mesh):
+        yield value
+    elif isinstance(value, (Mapping, list, tuple)):
+        for inner in value.values() if isinstance(value, Mapping) else value:
+            yield from _meshes_in(inner)
 
 
 def _write_ply(path: str, corners: np.ndarray, indices: np.ndarray) -> None:
@@ -95,19 +133,7 @@ class Scene:
         self.sonar, self.mission, self.sampling = sonar, mission, sampling
         self.model, self.detector, self.output = model, detector, output
         self.objects: list[Any] = list(objects)
-        self._meshes: dict[str, tuple[Handle, np.ndarray, np.ndarray]] = {}
-        self._context = Context()
         self._more: dict[str, Any] = {}  # sections of a file that are no arguments here
-
-    def __getstate__(self) -> dict[str, Any]:
-        """For copies and other processes: all but what is of this one."""
-        meshes = {name: arrays for name, (_, *arrays) in self._meshes.items()}
-        return {**{name: value for name, value in vars(self).items() if name != "_context"}, "_meshes": meshes}
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        vars(self).update(state, _context=Context(), _meshes={})
-        for arrays in state["_meshes"].values():
-            self._keep(*arrays)
 
     @classmethod
     def open(cls, path: str | os.PathLike[str]) -> Scene:
@@ -154,14 +180,15 @@ class Scene:
         if rotation_deg is not None:
             keys["rotation_deg"] = list(rotation_deg)
         self.add(name, position_m=position_m, material=material,
-                 mesh={"file": self._keep(vertices, triangles), "z_up": False}, **keys)
+                 mesh={"file": _Mesh(vertices, triangles), "z_up": False}, **keys)
         return name
 
     def set_terrain(self, north_m: ArrayLike, east_m: ArrayLike, depth_m: ArrayLike,
                     material: str | Keys = "sand") -> None:
         """A bottom from depths at the crossings of a grid: DEPTH_M[i, k] at NORTH_M[i], EAST_M[k]; holes where it is NAN
         or masked."""
-        north, east, depth = (doubles(values) for values in (north_m, east_m, depth_m))
+        north, east, depth = (doubles(values, what) for values, what in ((north_m, "north_m"), (east_m, "east_m"),
+                                                                         (depth_m, "depth_m")))
         if depth.shape != (north.size, east.size) or north.ndim != 1 or east.ndim != 1 or min(depth.shape) < 2:
             raise fail(ArgumentError, f"depth_m has the shape {depth.shape}; of {north.size} north_m and {east.size} "
                        f"east_m it must be ({north.size}, {east.size}), at least (2, 2)")
@@ -169,6 +196,8 @@ class Scene:
             steps = np.diff(along)
             if not (np.all(steps >= 0) or np.all(steps <= 0)):  # a sheet that is folded over itself
                 raise fail(ArgumentError, f"{name} goes to and fro; a grid's lines ascend or descend")
+            if not steps.any():
+                raise fail(ArgumentError, f"{name} is {along[0]:g} throughout; a grid has two lines or more")
         vertices = np.stack([*np.meshgrid(north, east, indexing="ij"), depth], axis=-1).reshape(-1, 3)
         corner = np.arange(depth.size).reshape(depth.shape)
         a, b, c, d = corner[:-1, :-1], corner[1:, :-1], corner[1:, 1:], corner[:-1, 1:]
@@ -187,42 +216,37 @@ class Scene:
     def set_bottom(self, vertices: ArrayLike, triangles: ArrayLike, material: str | Keys = "sand") -> None:
         """A bottom of triangles, as of add_mesh."""
         law = {"type": material} if isinstance(material, str) else dict(material)
-        self.bottom = {"mesh": {"file": self._keep(vertices, triangles), "z_up": False}, **law}
+        self.bottom = {"mesh": {"file": _Mesh(vertices, triangles), "z_up": False}, **law}
 
-    def _keep(self, vertices: ArrayLike, triangles: ArrayLike) -> str:
-        """Makes a mesh of the arrays; its name, which no other mesh has, whatever folder it is saved in."""
-        _array(vertices, "fiu", "vertices")
-        corners = np.array(doubles(vertices), order="C")
-        found = _array(triangles, "iu", "triangles")
-        if found.min() < 0 or found.max() >= len(corners):
-            worst = found.min() if found.min() < 0 else found.max()
-            raise fail(ArgumentError, f"a triangle has the corner {worst}, but there are {len(corners)} vertices")
-        indices = np.array(found, dtype=np.uint32, order="C")
-        name = f"mesh_{hashlib.sha256(corners.tobytes() + indices.tobytes()).hexdigest()[:16]}.ply"
-        handle = self._context.make(
-            "asdic_mesh", lib.asdic_mesh_destroy, lib.asdic_mesh_from_triangles, self._context.pointer,
-            ffi.from_buffer("double[]", corners), len(corners), ffi.from_buffer("uint32_t[]", indices), len(indices))
-        self._meshes[name] = (handle, corners, indices)
-        return name
+    @property
+    def _sections(self) -> dict[str, Any]:
+        """What stands in the scene's file."""
+        sections = {"version": 1, **self._more, **{name: getattr(self, name) for name in SECTIONS},
+                    "objects": self.objects}
+        return {name: value for name, value in sections.items() if value not in (None, [])}
+
+    @property
+    def _meshes(self) -> dict[str, _Mesh]:
+        """The meshes from arrays that the scene names."""
+        return {mesh: mesh for mesh in _meshes_in(self._sections)}
 
     def save(self, folder: str | os.PathLike[str]) -> str:
         """Writes the scene for the asdic program: FOLDER/scene.json, whose path it returns, and the meshes."""
-        os.makedirs(folder, exist_ok=True)
+        place, content = os.fsdecode(encoded(folder, "folder")), self.saved_json()
+        path = os.path.join(place, "scene.json")
         try:
-            for name, (_, corners, indices) in self._meshes.items():
-                _write_ply(os.path.join(folder, name), corners, indices)
-            path = os.path.join(os.fspath(folder), "scene.json")
+            os.makedirs(place, exist_ok=True)
+            for name, mesh in self._meshes.items():
+                _write_ply(os.path.join(place, name), mesh.corners, mesh.indices)
             with open(path, "w", encoding="utf-8", errors="surrogateescape") as file:
-                file.write(self.saved_json())
+                file.write(content)
         except OSError as error:
-            raise fail(FileError, f"the scene cannot be saved in '{os.fspath(folder)}': {error.strerror}") from error
+            raise fail(FileError, f"the scene cannot be saved in '{place}': {error.strerror}") from error
         return path
 
     def to_json(self) -> str:
         """The scene as a scene file's text; JSON is YAML. Meshes from arrays stand in it by name."""
-        sections = {"version": 1, **self._more, **{name: getattr(self, name) for name in SECTIONS},
-                    "objects": self.objects}
-        return _json({name: value for name, value in sections.items() if value not in (None, [])})
+        return _json(self._sections)
 
     def saved_json(self) -> str:
         """The text that save writes, with whole paths of the files that the scene names in the working folder."""
@@ -230,19 +254,21 @@ class Scene:
 
     def __repr__(self) -> str:
         given = [name for name in SECTIONS if getattr(self, name) is not None]
-        return f"<asdic.Scene: {len(self.objects)} objects, {len(self._meshes)} meshes, with {', '.join(given)}>"
+        objects, meshes = counted(len(self.objects), "object"), len(self._meshes)
+        return f"<asdic.Scene: {objects}, {meshes} {'mesh' if meshes == 1 else 'meshes'}, with {', '.join(given)}>"
 
     def load(self, context: Context) -> Handle:
         """The mission that the scene describes."""
         data = self.to_json().encode(errors="surrogateescape")  # names of files may be of any bytes; the reader judges
-        meshes = ffi.new("asdic_named_mesh[]", len(self._meshes))
+        named = self._meshes
+        meshes = ffi.new("asdic_named_mesh[]", len(named))
         keeps: list[Any] = [data]
-        for entry, (name, (mesh, _, _)) in zip(meshes, self._meshes.items()):
+        for entry, (name, mesh) in zip(meshes, named.items()):
             keeps.append(ffi.new("char[]", name.encode()))
-            entry.name, entry.mesh = keeps[-1], mesh.pointer
+            entry.name, entry.mesh = keeps[-1], mesh.handle.pointer
         content, path = ffi.from_buffer("char[]", data), ffi.new("char[]", b"scene")
         source = ffi.new("asdic_scene_text *", {"text": content, "length": len(data), "name": path, "meshes": meshes,
-                                                "mesh_count": len(self._meshes)})
+                                                "mesh_count": len(named)})
         return context.make("asdic_mission", lib.asdic_mission_destroy, lib.asdic_mission_load_text, context.pointer,
                             source)
 

@@ -25,7 +25,7 @@ def _colorbar(ax: Axes, image: Any) -> None:
 
 def _beam(of: Run | Ping, beam: int | str | None) -> int:
     """The number of a beam by number or name; None: the middle one."""
-    names = [name.decode() for name in of.beams["name"]]
+    names = of.beams["name"].tolist()
     if isinstance(beam, str):
         if beam not in names:
             raise KeyError(f"beam {beam!r} is none of {', '.join(names[:8])}{', ...' * (len(names) > 8)}")
