@@ -60,8 +60,7 @@ static void measure_parts(asdic_scene *scene) {
         asdic_place_sphere(&scene->corners_m[9 * begin], end - begin, &scene->parts[number],
                            &part.lo, &part.hi);
         if (scene->parts[number].kind == DEV_KIND_OBJECT) {
-            scene->parts[number].outward = asdic_place_outward(
-                &scene->corners_m[9 * begin], end - begin, scene->parts[number].center_m);
+            asdic_place_faces(&scene->corners_m[9 * begin], end - begin, &scene->parts[number]);
         }
         all = join(all, part);
         if (scene->parts[number].moves) {

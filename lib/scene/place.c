@@ -58,17 +58,18 @@ void asdic_place_sphere(const double *world_m, size_t count, asdic_part *part, a
 /* Areas, as vectors, of what closes round a volume have no sum; holes leave a little. */
 #define CLOSED 1e-3
 
-int asdic_place_outward(const double *world_m, size_t count, asdic_vec3 center_m) {
+void asdic_place_faces(const double *world_m, size_t count, asdic_part *part) {
     asdic_vec3 sum = {0.0, 0.0, 0.0};
     double area = 0.0, volume = 0.0;
     for (size_t i = 0; i < count; i++) {
-        asdic_vec3 a = asdic_vec3_sub(corner(world_m + 9 * i), center_m);
-        asdic_vec3 b = asdic_vec3_sub(corner(world_m + 9 * i + 3), center_m);
-        asdic_vec3 c = asdic_vec3_sub(corner(world_m + 9 * i + 6), center_m);
+        asdic_vec3 a = asdic_vec3_sub(corner(world_m + 9 * i), part->center_m);
+        asdic_vec3 b = asdic_vec3_sub(corner(world_m + 9 * i + 3), part->center_m);
+        asdic_vec3 c = asdic_vec3_sub(corner(world_m + 9 * i + 6), part->center_m);
         asdic_vec3 n = asdic_vec3_cross(asdic_vec3_sub(b, a), asdic_vec3_sub(c, a));
         sum = asdic_vec3_add(sum, n);
         area += asdic_vec3_length(n);
         volume += asdic_vec3_dot(a, n);
     }
-    return asdic_vec3_length(sum) > CLOSED * area ? 0 : volume < 0.0 ? -1 : 1;
+    part->area_m2 = 0.5 * area;
+    part->outward = asdic_vec3_length(sum) > CLOSED * area ? 0 : volume < 0.0 ? -1 : 1;
 }

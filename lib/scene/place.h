@@ -19,7 +19,7 @@ void asdic_place_triangle(const double world_m[9], asdic_vec3 origin_m, dev_tria
 void asdic_place_sphere(const double *world_m, size_t count, asdic_part *part, asdic_vec3 *lo_m,
                         asdic_vec3 *hi_m);
 
-/* Whether the COUNT triangles of a part, about CENTER_M, face outwards: asdic_part.outward. */
-int asdic_place_outward(const double *world_m, size_t count, asdic_vec3 center_m);
+/* Area of a part's COUNT triangles, and whether they face outwards about its centre. */
+void asdic_place_faces(const double *world_m, size_t count, asdic_part *part);
 
 #endif

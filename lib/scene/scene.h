@@ -29,7 +29,8 @@ typedef struct asdic_part {
     unsigned number;     /* of an object, from 1 on, points included */
     asdic_vec3 center_m; /* bounding sphere, world */
     double radius_m;
-    int outward; /* whether its triangles, as wound, face out of it: 1, -1 into it, 0: a sheet */
+    double area_m2; /* of an object, one side */
+    int outward;    /* whether its triangles, as wound, face out of it: 1, -1 into it, 0: a sheet */
 } asdic_part;
 
 typedef struct asdic_point {

@@ -107,19 +107,6 @@ static double background_most(const asdic_plan_case *c) {
     return sum;
 }
 
-static double area_of(const asdic_scene *scene, size_t part) {
-    double sum = 0.0;
-    for (size_t i = 0; i < scene->triangle_count; i++) {
-        if (scene->triangles[i].part == part) {
-            const dev_triangle *t = &scene->triangles[i];
-            asdic_vec3 a = {t->v1[0] - t->v0[0], t->v1[1] - t->v0[1], t->v1[2] - t->v0[2]};
-            asdic_vec3 b = {t->v2[0] - t->v0[0], t->v2[1] - t->v0[1], t->v2[2] - t->v0[2]};
-            sum += 0.5 * asdic_vec3_length(asdic_vec3_cross(a, b));
-        }
-    }
-    return sum;
-}
-
 /* What the rules know of one object, over all poses. */
 typedef struct verdict {
     bool reached, faced, mirrors;
@@ -132,7 +119,7 @@ typedef struct bounds {
     double nearest_m;  /* of anything that can be met */
 } bounds;
 
-static void judge_pose(const asdic_plan_case *c, const bounds *b, size_t part, double area_m2,
+static void judge_pose(const asdic_plan_case *c, const bounds *b, size_t part,
                        const asdic_pose *pose, verdict *v) {
     const asdic_part *object = &c->scene->parts[part];
     sight s = sight_of(object, pose);
@@ -159,7 +146,7 @@ static void judge_pose(const asdic_plan_case *c, const bounds *b, size_t part, d
     double source = pow(10.0, 0.1 * c->sonar->source_level_db) *
                     exp(2.0 * c->water.absorption_np_per_m * fmax(1.0 - s.nearest_m, 0.0));
     /* Its own echo; and what is behind it, which would no longer be hidden. */
-    double echo = asdic_scatterer_most(&m, c->range_m) * area_m2 / (near2 * near2);
+    double echo = asdic_scatterer_most(&m, c->range_m) * object->area_m2 / (near2 * near2);
     double volume = asdic_volume_strength_lin(c->env, c->sonar);
     double behind = s.solid_angle * (b->background / near2 + volume / s.nearest_m);
     v->echo_lin = fmax(v->echo_lin, source * g.send * g.receive * (echo + behind));
@@ -180,12 +167,11 @@ static verdict judge(const asdic_plan_case *c, const bounds *b, size_t part) {
         v.echo_lin = v.bounce_lin = INFINITY;
         return v;
     }
-    double area_m2 = c->noise_lin > 0.0 ? area_of(c->scene, part) : 0.0;
     for (size_t i = 0; i < c->count; i++) {
         if (i > 0 && memcmp(&c->poses[i], &c->poses[i - 1], sizeof *c->poses) == 0) {
             continue; /* a vehicle that stands sees nothing new */
         }
-        judge_pose(c, b, part, area_m2, &c->poses[i], &v);
+        judge_pose(c, b, part, &c->poses[i], &v);
     }
     if (!(c->noise_lin > 0.0)) {
         v.echo_lin = v.bounce_lin = INFINITY;

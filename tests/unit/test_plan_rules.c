@@ -2,12 +2,14 @@
  * which term goes when. No device is needed. */
 #include "asserts.h"
 
+#include "base/clock.h"
 #include "laws/scatterer.h"
 #include "sim/environment.h"
 
 #include <asdic/asdic.h>
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 
 #define DEGREE (3.14159265358979323846 / 180.0)
@@ -358,6 +360,25 @@ static void boxes_add_up(void **state) {
     end(&y);
 }
 
+/* Each object is looked at for itself, not at all triangles of the scene. */
+static void very_many_objects_are_judged_at_once(void **state) {
+    (void)state;
+    enum { OBJECTS = 6000 };
+    yard y = begin(true, true);
+    for (int i = 0; i < OBJECTS; i++) {
+        char name[16];
+        snprintf(name, sizeof name, "%d", i);
+        add_box(&y, name, 0.1, 10.0 + 0.5 * (i / 100), 0.5 * (i % 100) - 25.0, 45.0);
+    }
+    assert_ok(ctx, asdic_scene_commit(y.scene));
+    double start_s = asdic_clock_s();
+    make(&y);
+    double spent_s = asdic_clock_s() - start_s;
+    print_message("%d objects judged in %.3f s\n", OBJECTS, spent_s);
+    assert_true(spent_s < 0.2);
+    end(&y);
+}
+
 /* Over an object there and back, or one way and straight the other: by what it reflects, twice or once, by the way to
  * it or to the surface, which is nearer, and by the directions that it fills. */
 static void mirrors_are_bounded_by_both_ways(void **state) {
@@ -590,6 +611,7 @@ int main(void) {
         cmocka_unit_test(water_is_seen_through_the_solid_angle),
         cmocka_unit_test(objects_are_counted),
         cmocka_unit_test(boxes_add_up),
+        cmocka_unit_test(very_many_objects_are_judged_at_once),
         cmocka_unit_test(mirrors_are_bounded_by_both_ways),
         cmocka_unit_test(places_make_no_difference),
         cmocka_unit_test(what_moves_is_kept),

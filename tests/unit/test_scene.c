@@ -38,7 +38,7 @@ static double volume_m3(const asdic_mesh *mesh) {
     return volume / 6.0;
 }
 
-/* How asdic_place_outward finds MESH, its last CUT facets left out, wound as it is or the other way round; destroys it. */
+/* How asdic_place_faces finds MESH, its last CUT facets left out, wound as it is or the other way round; destroys it. */
 static int outward_of(asdic_mesh *mesh, size_t cut, bool turned) {
     size_t count = mesh->triangle_count - cut;
     double *world_m = malloc(9 * count * sizeof *world_m);
@@ -48,10 +48,11 @@ static int outward_of(asdic_mesh *mesh, size_t cut, bool turned) {
         world_m[3 * i + 1] = v.y;
         world_m[3 * i + 2] = v.z;
     }
-    int outward = asdic_place_outward(world_m, count, (asdic_vec3){1e6, 0.0, 0.0});
+    asdic_part part = {.center_m = {1e6, 0.0, 0.0}};
+    asdic_place_faces(world_m, count, &part);
     free(world_m);
     asdic_mesh_destroy(&mesh);
-    return outward;
+    return part.outward;
 }
 
 static void bodies_have_an_outside_and_sheets_have_none(void **state) {
