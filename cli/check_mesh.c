@@ -27,6 +27,7 @@ static void print_json(const char *path, bool is_grid, const asdic_mesh_info *in
     json_integer(j, "triangles", info->triangles);
     json_integer(j, "vertices", info->vertices);
     json_integer(j, "dropped_facets", info->dropped);
+    json_integer(j, "copied_facets", info->copies);
     json_integer(j, "open_edges", info->open_edges);
     check_json_vec(j, "min", info->min_m);
     check_json_vec(j, "max", info->max_m);
@@ -46,6 +47,9 @@ static void print_text(const char *path, bool is_grid, const asdic_mesh_info *in
     printf("\n");
     printf("  facets    %zu triangles, %zu vertices, %zu degenerate dropped\n", info->triangles,
            info->vertices, info->dropped);
+    if (info->copies > 0) {
+        printf("            %zu copies of others dropped\n", info->copies);
+    }
     if (info->open_edges == 0) {
         printf("  edges     closed\n");
     } else {

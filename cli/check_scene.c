@@ -43,6 +43,7 @@ static void json_object(json *j, const asdic_mission_object *o) {
     json_text(j, "name", o->name);
     json_integer(j, "triangles", o->mesh.triangles);
     json_integer(j, "dropped_facets", o->mesh.dropped);
+    json_integer(j, "copied_facets", o->mesh.copies);
     json_integer(j, "open_edges", o->mesh.open_edges);
     json_bool(j, "moves", o->moves);
     check_json_vec(j, "min_m", o->min_m);
@@ -109,6 +110,9 @@ static void print_object(const asdic_mission_object *o) {
     printf(" m%s\n", moves);
     if (o->mesh.dropped > 0) {
         printf("  %-11s %zu degenerate facets dropped\n", "", o->mesh.dropped);
+    }
+    if (o->mesh.copies > 0) {
+        printf("  %-11s %zu copies of other facets dropped\n", "", o->mesh.copies);
     }
     if (o->mesh.open_edges > 0) {
         printf("  %-11s %zu open edges\n", "", o->mesh.open_edges);

@@ -89,14 +89,21 @@ asdic_status asdic_mesh_allocate(asdic_context *ctx, size_t vertex_count, size_t
     return ASDIC_OK;
 }
 
-asdic_status asdic_mesh_complete(asdic_context *ctx, asdic_mesh *mesh, const char *name) {
+asdic_status asdic_mesh_complete_exact(asdic_context *ctx, asdic_mesh *mesh, const char *name) {
     TRY(check_numbers(ctx, mesh, name));
     drop_degenerate(mesh);
+    TRY(asdic_mesh_drop_copies(ctx, mesh));
     if (mesh->triangle_count == 0) {
         return asdic_fail(ctx, ASDIC_ERROR_INPUT, "%s: no facet with an area (%zu without)", name,
                           mesh->dropped);
     }
-    return asdic_mesh_count_open_edges(ctx, mesh, &mesh->open_edges);
+    return asdic_mesh_count_open_edges(ctx, mesh);
+}
+
+asdic_status asdic_mesh_complete(asdic_context *ctx, asdic_mesh *mesh, const char *name) {
+    TRY(check_numbers(ctx, mesh, name));
+    TRY(asdic_mesh_weld(ctx, mesh));
+    return asdic_mesh_complete_exact(ctx, mesh, name);
 }
 
 asdic_status asdic_mesh_from_triangles(asdic_context *ctx, const double *vertices_m,
@@ -149,6 +156,7 @@ asdic_mesh_info asdic_mesh_get_info(const asdic_mesh *mesh) {
     asdic_mesh_info info = {.triangles = mesh->triangle_count,
                             .vertices = mesh->vertex_count,
                             .dropped = mesh->dropped,
+                            .copies = mesh->copies,
                             .open_edges = mesh->open_edges};
     asdic_vec3 lo = {INFINITY, INFINITY, INFINITY}, hi = {-INFINITY, -INFINITY, -INFINITY};
     for (size_t i = 0; i < 3 * mesh->triangle_count; i++) {

@@ -13,17 +13,23 @@
 asdic_status asdic_mesh_allocate(asdic_context *ctx, size_t vertex_count, size_t triangle_count,
                                  asdic_mesh **out);
 
-/* Checks numbers and indices, drops and counts degenerate facets, counts open edges. NAME begins
- * every error. */
+/* Checks numbers and indices, welds vertices, drops and counts degenerate facets and copies, counts open
+ * edges. NAME begins every error. */
 asdic_status asdic_mesh_complete(asdic_context *ctx, asdic_mesh *mesh, const char *name);
+/* The same of vertices without roundings, which stay: a primitive may be a billion times as long as wide. */
+asdic_status asdic_mesh_complete_exact(asdic_context *ctx, asdic_mesh *mesh, const char *name);
 
-/* Edges that belong to one facet only, once vertices at one place count as one. */
-asdic_status asdic_mesh_count_open_edges(asdic_context *ctx, const asdic_mesh *mesh, size_t *count);
+/* Its steps. Corners become the lowest vertex that is where theirs is, to the roundings that part a
+ * seam's two sides; ... */
+asdic_status asdic_mesh_weld(asdic_context *ctx, asdic_mesh *mesh);
+/* ... of facets with the same corners, wound the same way, the first stays: all of them would be heard; ... */
+asdic_status asdic_mesh_drop_copies(asdic_context *ctx, asdic_mesh *mesh);
+/* ... and edges that belong to one facet only are open. */
+asdic_status asdic_mesh_count_open_edges(asdic_context *ctx, asdic_mesh *mesh);
 
-/* WELDED[i] becomes the lowest index of a vertex where vertex i is, to the roundings that part a
- * seam's two sides; VERTICES_M holds 3 * COUNT. INDICES NULL: every three vertices are a triangle. */
+/* WELDED[i] becomes the lowest index of a vertex exactly where vertex i is; VERTICES_M holds 3 * COUNT. */
 asdic_status asdic_weld_vertices(asdic_context *ctx, const double *vertices_m, size_t count,
-                                 const uint32_t *indices, size_t triangles, uint32_t *welded);
+                                 uint32_t *welded);
 
 /* Sets the remark on an extent that looks like another unit's. A body of more than 200 m is a rare
  * ship, or one in millimetres; a bottom may well be 20 km wide. */

@@ -56,7 +56,7 @@ static asdic_status check_segments(asdic_context *ctx, unsigned segments) {
 }
 
 static asdic_status complete(asdic_context *ctx, writer *w, asdic_mesh **out) {
-    asdic_status status = asdic_mesh_complete(ctx, w->mesh, "primitive");
+    asdic_status status = asdic_mesh_complete_exact(ctx, w->mesh, "primitive");
     if (status != ASDIC_OK) {
         asdic_mesh_destroy(&w->mesh);
     }

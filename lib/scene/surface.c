@@ -119,7 +119,7 @@ asdic_status asdic_surface_init(asdic_context *ctx, const double *corners_m, dev
         status = asdic_fail_memory(ctx, "the surface of an object");
         goto fail;
     }
-    status = asdic_weld_vertices(ctx, corners_m, corners, NULL, count, out->vertex);
+    status = asdic_weld_vertices(ctx, corners_m, corners, out->vertex);
     if (status != ASDIC_OK) {
         goto fail;
     }

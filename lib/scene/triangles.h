@@ -10,7 +10,7 @@ struct asdic_mesh {
     double *vertices_m; /* 3 * vertex_count, mesh frame */
     uint32_t *indices;  /* 3 * triangle_count */
     size_t vertex_count, triangle_count;
-    size_t dropped;
+    size_t dropped, copies;
     size_t open_edges;
 };
 

@@ -106,13 +106,35 @@ static void obj_sound(void **state) {
     /* a corner that is there again is left out: triangles written as quads, and a quad as five */
     mesh_rig_write(&rig, "m.obj",
                    "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
-                   "f 1 2 3 3\nf 1/1 1/2 3/3 4/4\nf 1 2 1 2\nf 1 2 3 1 4\n");
+                   "f 1 2 3 3\nf 1/1 1/2 3/3 4/4\nf 1 2 1 2\nf 2 3 4 2 1\n");
     mesh_rig_expect(&rig, 4, 1);
-    /* an edge of three facets, and a facet twice: kept */
+    /* an edge of three facets is kept, and of a facet twice one */
     mesh_rig_write(&rig, "m.obj",
                    "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\n"
                    "f 1 2 3\nf 1 2 4\nf 1 2 5\nf 1 2 3\n");
-    mesh_rig_expect(&rig, 4, 0);
+    mesh_rig_expect(&rig, 3, 0);
+}
+
+static void copies_are_dropped(void **state) {
+    (void)state;
+    static const char *const again[] = {
+        "f 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n", /* the tetrahedron once more, from other corners, ... */
+        "f 2 1 3\nf 4 1 2\nf 3 4 2\nf 3 1 4\n",
+        "f 1 2 3\nf 1 4 2\nf 2 4 3\nf 3 4 1\n", /* ... wound the other way, as sheets of two sides are; ... */
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 5 7 6\n"}; /* ... and a facet of vertices of its own */
+    for (size_t i = 0; i < 4; i++) {
+        char text[512];
+        snprintf(text, sizeof text, "%s%s", tetrahedron_obj, again[i]);
+        mesh_rig_write(&rig, "m.obj", text);
+        asdic_mesh *mesh = mesh_rig_load(&rig);
+        assert_non_null(mesh);
+        asdic_mesh_info info = asdic_mesh_get_info(mesh);
+        assert_int_equal(info.copies, i < 2 ? 4 : i == 2 ? 0 : 1);
+        assert_int_equal(info.triangles, i == 2 ? 8 : 4);
+        assert_int_equal(info.dropped, 0);
+        assert_int_equal(info.open_edges, 0);
+        asdic_mesh_destroy(&mesh);
+    }
 }
 
 static void obj_unsound(void **state) {
@@ -332,7 +354,7 @@ int main(void) {
         cmocka_unit_test(pipes_are_refused),  cmocka_unit_test(obj_sound),
         cmocka_unit_test(obj_unsound),        cmocka_unit_test(polygons),
         cmocka_unit_test(off_variants),       cmocka_unit_test(transform_and_info),
-        cmocka_unit_test(four_formats_agree),
+        cmocka_unit_test(four_formats_agree), cmocka_unit_test(copies_are_dropped),
     };
     mesh_rig_open(&rig);
     int failed = mesh_rig_reads_files(&rig) ? cmocka_run_group_tests(tests, NULL, NULL) : 77;

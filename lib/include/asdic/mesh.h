@@ -15,8 +15,9 @@ typedef struct asdic_mesh asdic_mesh;
 
 typedef struct asdic_mesh_info {
     size_t triangles, vertices;
-    size_t dropped;    /* degenerate facets left out */
-    size_t open_edges; /* edges with one facet only (vertices apart by roundings are one) */
+    size_t dropped;    /* degenerate facets left out (vertices apart by roundings are one) */
+    size_t copies;     /* facets left out that are there already, wound the same way */
+    size_t open_edges; /* edges with one facet only */
     asdic_vec3 min_m, max_m;
     char hint[160]; /* "" or a remark: "300 m across: millimetres? (scale 0.001)" */
 } asdic_mesh_info;
