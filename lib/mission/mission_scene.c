@@ -169,7 +169,7 @@ static asdic_status place(mission_builder *b, asdic_yaml_node *node, const asdic
     if (mesh && b->problems->total == 0) {
         object.mesh = asdic_mesh_get_info(mesh);
         find_box(mesh, &object);
-        asdic_mesh_hint_at_units(&object.mesh, object.name[0] != '\0');
+        asdic_mesh_hint_at_units(&object.mesh, object.name[0] != '\0', object.name[0] == '\0');
         if (!is_file) {
             object.mesh.hint[0] = '\0'; /* sizes in the scene file are in metres */
         }

@@ -242,6 +242,7 @@ static size_t connect(const grid *g, uint32_t *indices) {
 static asdic_status build(grid *g, bool values_are_depth, asdic_mesh **out) {
     size_t cells = (size_t)g->columns * (size_t)g->rows;
     TRY(asdic_mesh_allocate(g->scan->ctx, cells, 2 * cells, out));
+    (*out)->is_grid = true;
     (*out)->vertex_count = place_vertices(g, values_are_depth, (*out)->vertices_m);
     (*out)->triangle_count = connect(g, (*out)->indices);
     return asdic_mesh_complete(g->scan->ctx, *out, g->scan->path);

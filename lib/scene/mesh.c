@@ -137,11 +137,14 @@ void asdic_mesh_destroy(asdic_mesh **mesh) {
     }
 }
 
-void asdic_mesh_hint_at_units(asdic_mesh_info *info, bool body) {
+void asdic_mesh_hint_at_units(asdic_mesh_info *info, bool body, bool ground) {
     info->hint[0] = '\0';
-    double across = fmax(info->max_m.x - info->min_m.x,
-                         fmax(info->max_m.y - info->min_m.y, info->max_m.z - info->min_m.z));
-    if (across > (body ? 200.0 : 20000.0)) {
+    double wide = fmax(info->max_m.x - info->min_m.x, info->max_m.y - info->min_m.y);
+    double high = info->max_m.z - info->min_m.z, across = fmax(wide, high);
+    if (ground && high > wide) {
+        snprintf(info->hint, sizeof info->hint,
+                 "%.3g m wide, but %.4g m high: degrees? (metres are needed)", wide, high);
+    } else if (across > (body ? 200.0 : 20000.0)) {
         snprintf(info->hint, sizeof info->hint, "%.4g m across: millimetres? (scale 0.001)",
                  across);
     } else if (across < 0.5) {
@@ -166,6 +169,7 @@ asdic_mesh_info asdic_mesh_get_info(const asdic_mesh *mesh) {
     }
     info.min_m = lo;
     info.max_m = hi;
-    asdic_mesh_hint_at_units(&info, mesh->open_edges == 0); /* a bottom is a sheet */
+    /* a bottom is a sheet */
+    asdic_mesh_hint_at_units(&info, mesh->open_edges == 0, mesh->is_grid);
     return info;
 }

@@ -32,8 +32,8 @@ asdic_status asdic_weld_vertices(asdic_context *ctx, const double *vertices_m, s
                                  uint32_t *welded);
 
 /* Sets the remark on an extent that looks like another unit's. A body of more than 200 m is a rare
- * ship, or one in millimetres; a bottom may well be 20 km wide. */
-void asdic_mesh_hint_at_units(asdic_mesh_info *info, bool body);
+ * ship, or one in millimetres; a bottom may well be 20 km wide, and what is ground is wider than high. */
+void asdic_mesh_hint_at_units(asdic_mesh_info *info, bool body, bool ground);
 
 asdic_vec3 asdic_mesh_vertex(const asdic_mesh *mesh, size_t index);
 

@@ -12,6 +12,7 @@ struct asdic_mesh {
     size_t vertex_count, triangle_count;
     size_t dropped, copies;
     size_t open_edges;
+    bool is_grid;
 };
 
 /* Corners of triangle I, mesh frame. */

@@ -103,6 +103,25 @@ static void a_mark_of_utf8_is_passed_over(void **state) {
     refuse("\xef\xbb\xbf", "header");
 }
 
+/* Cells of a second of arc over 20 m of depth; and of 20 m. */
+static void degrees_are_hinted_at(void **state) {
+    (void)state;
+    static const char *const sizes[] = {"0.000277777777778", "20"};
+    for (int i = 0; i < 2; i++) {
+        char text[256];
+        snprintf(text, sizeof text,
+                 "ncols 3\nnrows 3\nxllcorner 9.5\nyllcorner 43.5\ncellsize %s\n"
+                 "10 12 14\n16 18 20\n22 25 30\n",
+                 sizes[i]);
+        mesh_rig_write(&rig, "g.asc", text);
+        asdic_mesh *mesh = load(true);
+        assert_string_equal(asdic_mesh_get_info(mesh).hint,
+                            i ? ""
+                              : "0.000556 m wide, but 20 m high: degrees? (metres are needed)");
+        asdic_mesh_destroy(&mesh);
+    }
+}
+
 static void holes(void **state) {
     (void)state;
     /* GDAL writes the marker with other digits in the header than in the rows */
@@ -204,6 +223,7 @@ int main(void) {
         cmocka_unit_test(facets_are_of_their_corners),
         cmocka_unit_test(heights_and_other_headers),
         cmocka_unit_test(a_mark_of_utf8_is_passed_over),
+        cmocka_unit_test(degrees_are_hinted_at),
         cmocka_unit_test(holes),
         cmocka_unit_test(holes_have_a_marker_without_a_header),
         cmocka_unit_test(holes_may_be_no_numbers),
