@@ -269,17 +269,9 @@ static asdic_status refuse_other_grids(const asdic_mesh_scan *scan) {
     return ASDIC_OK;
 }
 
-/* Editors of Windows put a mark before text in UTF-8. */
-static void drop_mark(asdic_mesh_scan *scan) {
-    size_t mark = asdic_utf8_mark(scan->text, scan->size);
-    scan->size -= mark;
-    memmove(scan->text, scan->text + mark, scan->size + 1);
-}
-
 static asdic_status read_grid(grid *g, bool values_are_depth, asdic_mesh **mesh) {
-    drop_mark(g->scan);
     TRY(refuse_other_grids(g->scan));
-    TRY(asdic_mesh_scan_check_text(g->scan));
+    TRY(asdic_mesh_scan_take_text(g->scan));
     TRY(read_header(g));
     TRY(read_values(g));
     return build(g, values_are_depth, mesh);

@@ -136,14 +136,19 @@ static asdic_status read_stream(asdic_mesh_scan *scan, FILE *file) {
     return ASDIC_OK;
 }
 
-/* A zero byte would end strings early; UTF-16 has them, too. */
-asdic_status asdic_mesh_scan_check_text(const asdic_mesh_scan *scan) {
+/* A zero byte would end strings early; UTF-16 has them, too. Editors of Windows put a mark before text in
+ * UTF-8; the first systems of Apple ended lines by CR alone. */
+asdic_status asdic_mesh_scan_take_text(asdic_mesh_scan *scan) {
     if (memchr(scan->text, '\0', scan->size)) {
         return asdic_mesh_scan_fail(scan, 0,
                                     "binary or UTF-16 where text is expected; save it as UTF-8");
     }
-    if (asdic_utf8_mark(scan->text, scan->size)) {
-        return asdic_mesh_scan_fail(scan, 1, "starts with a byte order mark; save it without");
+    size_t mark = asdic_utf8_mark(scan->text, scan->size);
+    scan->size -= mark;
+    memmove(scan->text, scan->text + mark, scan->size + 1);
+    bool has_lines = memchr(scan->text, '\n', scan->size) != NULL;
+    for (size_t i = 0; !has_lines && i < scan->size; i++) {
+        scan->text[i] = scan->text[i] == '\r' ? '\n' : scan->text[i];
     }
     return ASDIC_OK;
 }
@@ -180,7 +185,7 @@ asdic_status asdic_mesh_scan_file(asdic_context *ctx, const char *path, asdic_me
         }
         TRY(asdic_mesh_scan_open(ctx, path, out));
         if (formats[i].text) {
-            TRY(asdic_mesh_scan_check_text(out));
+            TRY(asdic_mesh_scan_take_text(out));
         }
         return formats[i].scan(out);
     }

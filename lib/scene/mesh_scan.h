@@ -40,9 +40,10 @@ typedef struct asdic_mesh_scan {
 asdic_status asdic_mesh_scan_file(asdic_context *ctx, const char *path, asdic_mesh_scan *out);
 void asdic_mesh_scan_finish(asdic_mesh_scan *scan);
 
-/* The two steps before a format's own: the bytes, and whether they can be text. */
+/* The two steps before a format's own: the bytes; and, of text, whether they can be that, without what
+ * systems put about it: a byte order mark, ends of lines of their own. */
 asdic_status asdic_mesh_scan_open(asdic_context *ctx, const char *path, asdic_mesh_scan *out);
-asdic_status asdic_mesh_scan_check_text(const asdic_mesh_scan *scan);
+asdic_status asdic_mesh_scan_take_text(asdic_mesh_scan *scan);
 
 /* The formats, one file each. */
 asdic_status asdic_mesh_scan_obj(asdic_mesh_scan *scan);

@@ -165,10 +165,25 @@ static void obj_unsound(void **state) {
     mesh_rig_refuse(&rig, "m.obj: the file is empty");
     mesh_rig_write_bytes(&rig, "m.obj", "\xff\xfev\0 \0\x31\0", 8);
     mesh_rig_refuse(&rig, "m.obj: binary or UTF-16");
-    mesh_rig_write(&rig, "m.obj", "\xef\xbb\xbfv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
-    mesh_rig_refuse(&rig, "m.obj:1: starts with a byte order mark");
+    mesh_rig_write(&rig, "m.obj", "\xef\xbb\xbf\xef\xbb\xbfv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    mesh_rig_refuse(&rig, ":4: this facet names vertex 3");
     mesh_rig_write(&rig, "m.xyz", tetrahedron_obj);
     mesh_rig_refuse(&rig, "'.xyz' is not a mesh format");
+}
+
+/* A byte order mark, and lines that end in CR alone. */
+static void what_systems_put_about_text_is_passed_over(void **state) {
+    (void)state;
+    mesh_rig_write(&rig, "m.obj", "\xef\xbb\xbfv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    mesh_rig_expect(&rig, 1, 0);
+    mesh_rig_write(&rig, "m.off", "\xef\xbb\xbfOFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+    mesh_rig_expect(&rig, 1, 0);
+    mesh_rig_write(&rig, "m.obj", "# one\rv 0 0 0\rv 1 0 0\rv 0 1 0\rf 1 2 3\r");
+    mesh_rig_expect(&rig, 1, 0);
+    mesh_rig_write(&rig, "m.off", "OFF\r3 1 0\r0 0 0\r1 0 0\r0 1 0\r3 0 1 2");
+    mesh_rig_expect(&rig, 1, 0);
+    mesh_rig_write(&rig, "m.obj", "v 0 0 0\rv 1 0 0\rv 0 1 q\rf 1 2 3\r");
+    mesh_rig_refuse(&rig, ":3: coordinate 3");
 }
 
 /* Area seen along z: what a fan of a concave polygon gets wrong. */
@@ -355,6 +370,7 @@ int main(void) {
         cmocka_unit_test(obj_unsound),        cmocka_unit_test(polygons),
         cmocka_unit_test(off_variants),       cmocka_unit_test(transform_and_info),
         cmocka_unit_test(four_formats_agree), cmocka_unit_test(copies_are_dropped),
+        cmocka_unit_test(what_systems_put_about_text_is_passed_over),
     };
     mesh_rig_open(&rig);
     int failed = mesh_rig_reads_files(&rig) ? cmocka_run_group_tests(tests, NULL, NULL) : 77;
