@@ -67,29 +67,40 @@ static asdic_status take_vertices(const asdic_mesh_scan *scan, const asdic_polyg
     return ASDIC_OK;
 }
 
+static asdic_status triangulate_facet(const asdic_mesh_scan *scan, size_t facet, uint32_t *corners,
+                                      size_t count, asdic_mesh *mesh) {
+    uint32_t *out = &mesh->indices[3 * mesh->triangle_count];
+    size_t written = 1;
+    if (count > ASDIC_POLYGON_MAX_CORNERS) {
+        return asdic_fail(scan->ctx, ASDIC_ERROR_INPUT,
+                          "%s: facet %zu has %zu corners, more than %d; triangulate it", scan->path,
+                          facet, count, ASDIC_POLYGON_MAX_CORNERS);
+    }
+    if (count == 3) {
+        memcpy(out, corners, 3 * sizeof *corners);
+    } else if (!asdic_polygon_triangulate(mesh->vertices_m, corners, count, out, &written)) {
+        return asdic_fail(scan->ctx, ASDIC_ERROR_INPUT,
+                          "%s: the outline of facet %zu (%zu corners) crosses itself; "
+                          "triangulate it",
+                          scan->path, facet, count);
+    }
+    mesh->dropped += written == 0;
+    mesh->triangle_count += written;
+    return ASDIC_OK;
+}
+
 static asdic_status triangulate(const asdic_mesh_scan *scan, asdic_polygons *p, asdic_mesh *mesh) {
+    uint32_t *outline = scan->outlines, *end = outline + scan->outlines_size;
     mesh->triangle_count = 0;
     mesh->dropped = scan->facets - p->facet_count;
     for (size_t f = 0; f < p->facet_count; f++) {
-        uint32_t *corners = &p->corners[p->first[f]];
-        size_t count = p->first[f + 1] - p->first[f], written = 0;
-        if (count > ASDIC_POLYGON_MAX_CORNERS) {
-            return asdic_fail(scan->ctx, ASDIC_ERROR_INPUT,
-                              "%s: facet %zu has %zu corners, more than %d; triangulate it",
-                              scan->path, f, count, ASDIC_POLYGON_MAX_CORNERS);
+        if (outline < end && outline[0] == f) {
+            TRY(triangulate_facet(scan, f, outline + 2, outline[1], mesh));
+            outline += 2 + outline[1];
+        } else {
+            TRY(triangulate_facet(scan, f, &p->corners[p->first[f]], p->first[f + 1] - p->first[f],
+                                  mesh));
         }
-        uint32_t *out = &mesh->indices[3 * mesh->triangle_count];
-        if (count == 3) {
-            memcpy(out, corners, 3 * sizeof *corners);
-            written = 1;
-        } else if (!asdic_polygon_triangulate(mesh->vertices_m, corners, count, out, &written)) {
-            return asdic_fail(scan->ctx, ASDIC_ERROR_INPUT,
-                              "%s: the outline of facet %zu (%zu corners) crosses itself; "
-                              "triangulate it",
-                              scan->path, f, count);
-        }
-        mesh->dropped += written == 0;
-        mesh->triangle_count += written;
     }
     return ASDIC_OK;
 }
@@ -106,7 +117,8 @@ static void place(asdic_mesh *mesh, double scale, bool z_up) {
 
 static asdic_status build(const asdic_mesh_scan *scan, asdic_polygons *p, asdic_mesh **out) {
     TRY(check_counts(scan, p));
-    size_t triangles = p->corner_count - 2 * p->facet_count; /* every facet has 3 or more */
+    /* every facet has 3 corners or more */
+    size_t triangles = p->corner_count + scan->outlines_size - 2 * p->facet_count;
     TRY(asdic_mesh_allocate(scan->ctx, p->vertex_count, triangles, out));
     TRY(take_vertices(scan, p, (*out)->vertices_m));
     return triangulate(scan, p, *out);

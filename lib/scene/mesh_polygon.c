@@ -7,12 +7,16 @@
 #include <math.h>
 #include <string.h>
 
+/* Of the square of the outline's extent: areas that are roundings, as those of vertices that are one (mesh_weld.c). */
+#define FLAT_SHARE 0x1p-18
+
 typedef struct outline {
     const double *vertices_m;
     uint32_t *corners;
     size_t count;
-    int x, y;    /* the two axes kept */
-    double sign; /* of the outline's area in these axes */
+    int x, y;       /* the two axes kept */
+    double sign;    /* of the outline's area in these axes */
+    double flat_m2; /* twice an area that is a rounding */
 } outline;
 
 static const double *at(const outline *o, size_t i) {
@@ -30,26 +34,36 @@ static void remove_corner(outline *o, size_t i) {
     o->count--;
 }
 
-/* A corner repeated at once is no edge. */
+static bool same_place(const double *a, const double *b) {
+    return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
+}
+
+/* A corner repeated at once is no edge, and one to which an edge leads and back is a spike without an area. */
 static void drop_repeated(outline *o) {
-    for (size_t i = 0; i < o->count && o->count > 1;) {
-        const double *a = at(o, i), *b = at(o, (i + 1) % o->count);
-        if (a[0] == b[0] && a[1] == b[1] && a[2] == b[2]) {
-            remove_corner(o, i);
+    for (size_t i = 0, passed = 0; passed < o->count && o->count > 1;) {
+        const double *a = at(o, i % o->count);
+        if (same_place(a, at(o, (i + 1) % o->count))) {
+            remove_corner(o, i % o->count);
+            passed = 0;
+        } else if (same_place(a, at(o, (i + 2) % o->count))) {
+            remove_corner(o, (i + 1) % o->count);
+            passed = 0;
         } else {
             i++;
+            passed++;
         }
     }
 }
 
 /* Chooses the plane; false without an area. */
 static bool choose_plane(outline *o) {
-    double n[3] = {0.0, 0.0, 0.0};
+    double n[3] = {0.0, 0.0, 0.0}, extent_m = 0.0;
     const double *base = at(o, 0);
     for (size_t i = 0; i < o->count; i++) {
         const double *p = at(o, i), *q = at(o, (i + 1) % o->count);
         for (int k = 0; k < 3; k++) {
             int a = (k + 1) % 3, b = (k + 2) % 3;
+            extent_m = fmax(extent_m, fabs(p[k] - base[k]));
             n[k] += (p[a] - base[a]) * (q[b] - base[b]) - (p[b] - base[b]) * (q[a] - base[a]);
         }
     }
@@ -59,11 +73,8 @@ static bool choose_plane(outline *o) {
     o->x = (drop + 1) % 3;
     o->y = (drop + 2) % 3;
     o->sign = n[drop] > 0.0 ? 1.0 : -1.0;
+    o->flat_m2 = FLAT_SHARE * extent_m * extent_m;
     return n[drop] != 0.0;
-}
-
-static bool same_place(const double *a, const double *b) {
-    return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
 }
 
 /* Corner i can be cut off: it turns inward and no other corner lies in the triangle. */
@@ -85,12 +96,6 @@ static bool is_ear(const outline *o, size_t i) {
     return true;
 }
 
-/* A corner on the straight line between its neighbours, or back along itself. */
-static bool is_flat(const outline *o, size_t i) {
-    return turn(o, at(o, (i + o->count - 1) % o->count), at(o, i), at(o, (i + 1) % o->count)) ==
-           0.0;
-}
-
 static void put(const outline *o, size_t i, uint32_t *triangles, size_t *written) {
     uint32_t *t = &triangles[3 * (*written)++];
     t[0] = o->corners[(i + o->count - 1) % o->count];
@@ -98,15 +103,24 @@ static void put(const outline *o, size_t i, uint32_t *triangles, size_t *written
     t[2] = o->corners[(i + 1) % o->count];
 }
 
-/* Drops one flat corner; false when there is none. */
+/* Drops the flattest corner, which is on the straight line between its neighbours or back along itself, to
+ * roundings; false when there is none. */
 static bool drop_flat(outline *o) {
+    size_t flattest = 0;
+    double least_m2 = INFINITY;
     for (size_t i = 0; i < o->count; i++) {
-        if (is_flat(o, i)) {
-            remove_corner(o, i);
-            return true;
+        double turn_m2 = fabs(
+            turn(o, at(o, (i + o->count - 1) % o->count), at(o, i), at(o, (i + 1) % o->count)));
+        if (turn_m2 < least_m2) {
+            flattest = i;
+            least_m2 = turn_m2;
         }
     }
-    return false;
+    if (least_m2 > o->flat_m2) {
+        return false;
+    }
+    remove_corner(o, flattest);
+    return true;
 }
 
 bool asdic_polygon_triangulate(const double *vertices_m, uint32_t *corners, size_t count,
@@ -133,8 +147,9 @@ bool asdic_polygon_triangulate(const double *vertices_m, uint32_t *corners, size
             return false; /* every simple polygon has an ear: this one crosses itself */
         }
     }
-    if (turn(&o, at(&o, 0), at(&o, 1), at(&o, 2)) < 0.0) {
-        return false;
+    double last_m2 = turn(&o, at(&o, 0), at(&o, 1), at(&o, 2));
+    if (last_m2 < 0.0) {
+        return last_m2 >= -o.flat_m2;
     }
     put(&o, 1, triangles, written);
     return true;

@@ -200,5 +200,6 @@ void asdic_mesh_scan_finish(asdic_mesh_scan *scan) {
     }
     free(scan->text);
     free(scan->vertices_m);
+    free(scan->outlines);
     *scan = (asdic_mesh_scan){0};
 }

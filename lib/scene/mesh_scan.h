@@ -33,6 +33,9 @@ typedef struct asdic_mesh_scan {
     uint64_t facet_hash; /* of all facets' corner counts and indices; OBJ: each vertex once, and
                          * degenerate ones apart */
     double *vertices_m;  /* 3 * vertices; NULL for STL, whose facets carry their own corners */
+    uint32_t *outlines; /* of OBJ facets that name a vertex twice, which OpenMesh does not hand over
+                          * whole: the facet's number as OpenMesh counts, its corners' number, they */
+    size_t outlines_size;
 } asdic_mesh_scan;
 
 /* Reads the file and scans it by its extension; every error names the file and, in text, the line.

@@ -10,12 +10,15 @@
 #include "../base/context.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 typedef struct obj_state {
     size_t vertex_capacity;
     long long highest; /* largest vertex number used so far, and where */
     size_t highest_line;
+    size_t outlines_capacity;
     uint32_t facet[ASDIC_POLYGON_MAX_CORNERS]; /* the current facet, indices from 0 */
+    uint32_t kept[ASDIC_POLYGON_MAX_CORNERS];  /* what OpenMesh keeps of it */
 } obj_state;
 
 static asdic_status scan_vertex(asdic_mesh_scan *scan, asdic_line *line, obj_state *state) {
@@ -59,31 +62,55 @@ static asdic_status scan_corner(asdic_mesh_scan *scan, asdic_line *line, obj_sta
 }
 
 /* OpenMesh drops a corner that names a vertex again, and what has then no three corners. */
-static size_t drop_repeated(uint32_t *facet, size_t corners) {
+static size_t drop_repeated(const uint32_t *facet, size_t corners, uint32_t *out) {
     size_t kept = 0;
     for (size_t i = 0; i < corners; i++) {
         size_t j = 0;
-        while (j < kept && facet[j] != facet[i]) {
+        while (j < kept && out[j] != facet[i]) {
             j++;
         }
         if (j == kept) {
-            facet[kept++] = facet[i];
+            out[kept++] = facet[i];
         }
     }
     return kept;
 }
 
-static void count_facet(asdic_mesh_scan *scan, uint32_t *facet, size_t corners) {
-    scan->facets++;
-    corners = drop_repeated(facet, corners);
-    if (corners < 3) {
+/* Such a corner may lead to a hole and back: the outline is kept as it stands. */
+static asdic_status keep_outline(asdic_mesh_scan *scan, obj_state *state, size_t corners) {
+    size_t needed = scan->outlines_size + 2 + corners;
+    if (needed > state->outlines_capacity) {
+        uint32_t *grown = realloc(scan->outlines, 2 * needed * sizeof *grown);
+        if (!grown) {
+            return asdic_fail_memory(scan->ctx, "the facets of an OBJ file");
+        }
+        scan->outlines = grown;
+        state->outlines_capacity = 2 * needed;
+    }
+    uint32_t *out = scan->outlines + scan->outlines_size;
+    out[0] = (uint32_t)(scan->facets - scan->degenerate);
+    out[1] = (uint32_t)corners;
+    memcpy(out + 2, state->facet, corners * sizeof *out);
+    scan->outlines_size = needed;
+    return ASDIC_OK;
+}
+
+static asdic_status count_facet(asdic_mesh_scan *scan, obj_state *state, size_t corners) {
+    size_t kept = drop_repeated(state->facet, corners, state->kept);
+    if (kept < 3) {
+        scan->facets++;
         scan->degenerate++;
-        return;
+        return ASDIC_OK;
     }
-    scan->facet_hash = asdic_hash_fold(scan->facet_hash, corners);
-    for (size_t i = 0; i < corners; i++) {
-        scan->facet_hash = asdic_hash_fold(scan->facet_hash, facet[i]);
+    if (kept < corners) {
+        TRY(keep_outline(scan, state, corners));
     }
+    scan->facets++;
+    scan->facet_hash = asdic_hash_fold(scan->facet_hash, kept);
+    for (size_t i = 0; i < kept; i++) {
+        scan->facet_hash = asdic_hash_fold(scan->facet_hash, state->kept[i]);
+    }
+    return ASDIC_OK;
 }
 
 static asdic_status scan_facet(asdic_mesh_scan *scan, asdic_line *line, obj_state *state) {
@@ -96,8 +123,7 @@ static asdic_status scan_facet(asdic_mesh_scan *scan, asdic_line *line, obj_stat
         return asdic_mesh_scan_fail(scan, line->number, "a facet with %zu corners; 3 are needed",
                                     corners);
     }
-    count_facet(scan, state->facet, corners);
-    return ASDIC_OK;
+    return count_facet(scan, state, corners);
 }
 
 static bool ends_in_backslash(const asdic_line *line) {

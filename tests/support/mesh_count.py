@@ -34,8 +34,7 @@ def read_obj(content):
         elif words[:1] == ["f"]:
             numbers = [int(word.split("/")[0]) for word in words[1:]]
             facet = [n - 1 if n > 0 else len(points) + n for n in numbers]
-            apart = list(dict.fromkeys(facet))  # each vertex once
-            facets.append(apart if len(apart) > 2 else facet[:3])
+            facets.append(facet if len(set(facet)) > 2 else facet[:3])
     return result(points, facets)
 
 
