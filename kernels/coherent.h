@@ -31,10 +31,10 @@
 
 /* A piece of surface, a piece of a shell of water, or a point, with COUNT scatterers. */
 typedef struct dev_patch {
-    float corner[3], edge1[3],
-        edge2[3]; /* scene frame; of a shell: edge1[0] its thickness, corner[0] where
-                                            it begins; of a point: corner, and
-                                            in edge1 what single precision leaves of it */
+    /* Scene frame. Of a point: corner, and in edge1 what single precision leaves of it. Of a shell of water: by range, m, and by
+     * the azimuth about the transmitter, rad, corner where it begins and edge1 how far it goes; in corner[2] how tall, in
+     * wavelengths, what hears it is. */
+    float corner[3], edge1[3], edge2[3];
     float share;  /* of each scatterer: m2; sr m of a shell; of a point its target strength, m2 */
     dev_uint first, count;
     dev_uint triangle; /* ~0u: none */

@@ -4,6 +4,7 @@
  */
 #include "coherent.h"
 #include "echo.h"
+#include "facet_form.h"
 
 /* Rays end before a scatterer by what a tracer may err (TRACE_SKIN): facets that touch its own do not hide it, and the
  * far side of a sheet is hidden. Those to points end sooner, so that a point on a body's skin is seen, as in sim/points.c. */
@@ -17,21 +18,20 @@ static float2 fractions_of(__global const dev_patch *patch, uint k) {
     return beyond ? (float2)(1.0f - u, 1.0f - v) : (float2)(u, v);
 }
 
-/* The middle of the k-th of the equal triangles or parallelograms that a smooth patch falls into. */
-static float2 grid_of(__global const dev_patch *patch, uint k) {
+/* The middle of the k-th of the equal triangles that a smooth patch falls into; the third: -1 of one upside down. Row by
+ * row: 2 (side - row) - 1 triangles, every other one upside down. */
+static float3 grid_of(__global const dev_patch *patch, uint k) {
     uint side = (uint)(sqrt((float)(patch->count)) + 0.5f);
     float step = 1.0f / (float)(side);
-    if (patch->folded == 0u) {
-        return (float2)((float)(k % side) + 0.5f, (float)(k / side) + 0.5f) * step;
-    }
-    /* Row by row: 2 (side - row) - 1 triangles, every other one upside down. */
     uint row = 0u;
     while (k >= 2u * (side - row) - 1u) {
         k -= 2u * (side - row) - 1u;
         row++;
     }
-    float third = (k & 1u) != 0u ? 2.0f / 3.0f : 1.0f / 3.0f;
-    return (float2)((float)(k / 2u) + third, (float)(row) + third) * step;
+    bool over = (k & 1u) != 0u;
+    float third = over ? 2.0f / 3.0f : 1.0f / 3.0f;
+    return (float3)(((float)(k / 2u) + third) * step, ((float)(row) + third) * step,
+                    over ? -1.0f : 1.0f);
 }
 
 /* A vector whose lanes agree as one number: elementary functions are of vectors. */
@@ -39,48 +39,43 @@ static float lane_0(real x) {
     return ((float *)&x)[0];
 }
 
-/* A direction for a scatterer of the water: half of them anywhere, half where the transmitter is loud. What lies behind
- * is heard by a leak, or by way of a mirror. Returns the solid angle times the number of scatterers that it stands for. */
-static float water_direction(__global const dev_ping *ping, bool mirrors, float2 at, uint k,
-                             vector *u) {
-    __global const dev_beam *t = beams_of(ping);
-    float front = ping->rear_lin > 0.0f ? M_PI_F : M_PI_2_F, most = mirrors ? M_PI_F : front;
-    float rise = min(1.2f / t->length_v_wl, 1.0f);
-    float turn = t->length_h_wl > 1.2f ? lane_0(asin((real)(1.2f / t->length_h_wl))) : front;
-    bool loud = (k & 1u) != 0u;
-    float z = (2.0f * at.x - 1.0f) * (loud ? rise : 1.0f);
-    float phi = (2.0f * at.y - 1.0f) * (loud ? turn : most);
-    float across = sqrt(max(1.0f - z * z, 0.0f));
-    float x = across * lane_0(cos((real)(phi))), y = across * lane_0(sin((real)(phi)));
-    bool inside = fabs(z) <= rise && fabs(phi) <= turn;
-    float density = 0.5f / (4.0f * most) + (inside ? 0.5f / (4.0f * rise * turn) : 0.0f);
-    u->x = t->rows[0] * x + t->rows[3] * y + t->rows[6] * z;
-    u->y = t->rows[1] * x + t->rows[4] * y + t->rows[7] * z;
-    u->z = t->rows[2] * x + t->rows[5] * y + t->rows[8] * z;
-    return 1.0f / density;
+/* Number K of a shell of water, in the scene frame; the fourth: its share. By azimuth they are evenly spaced; by elevation as
+ * dense as 1 / (1 + (pi L z)^2), the envelope of what hears them, L wavelengths tall; by elevation and range the next ones of a
+ * lattice (the plastic number's, as good in three dimensions as in two). With five in a resolution cell its energy then
+ * varies by some 0.5 % (variance). What lies behind is heard by a leak, or by way of a mirror. */
+static float4 in_water_of(__global const dev_ping *ping, __global const dev_patch *patch, uint k) {
+    const float unit = 5.9604645e-8f; /* 2^-24 */
+    __global const float *rows = beams_of(ping)->rows;
+    float tall = M_PI_F * patch->corner[2], most = lane_0(atan2((real)(tall), R(1.0)));
+    float raised = (float)((patch->start[0] + k * 0xC13FA9A9u) >> 8) * unit;
+    float depth = (float)((patch->start[1] + k * 0x91E10DA5u) >> 8) * unit;
+    float aside = ((float)(k) + 0.5f) / (float)(patch->count);
+    real turn = (real)((2.0f * raised - 1.0f) * most);
+    float z = lane_0(sin(turn)) / (tall * lane_0(cos(turn)));
+    z = min(max(z, -1.0f), 1.0f);
+    float solid = 2.0f * most / tall * (1.0f + tall * tall * z * z);
+    float phi = patch->corner[1] + aside * patch->edge1[1], across = sqrt((1.0f - z) * (1.0f + z));
+    float range = patch->corner[0] + depth * patch->edge1[0];
+    float x = range * across * lane_0(cos((real)(phi))),
+          y = range * across * lane_0(sin((real)(phi)));
+    z *= range;
+    return (float4)(ping->origin[0] + rows[0] * x + rows[3] * y + rows[6] * z,
+                    ping->origin[1] + rows[1] * x + rows[4] * y + rows[7] * z,
+                    ping->origin[2] + rows[2] * x + rows[5] * y + rows[8] * z,
+                    patch->share * solid);
 }
 
-/* Where a patch's k-th scatterer is, in the scene frame; the fourth: its share. */
-static float4 scatterer_of(__global const dev_ping *ping, __global const dev_coherent *c,
-                           __global const dev_patch *patch, uint k) {
-    float2 at = patch->smooth != 0u ? grid_of(patch, k) : fractions_of(patch, k);
-    at = patch->kind == DEV_KIND_POINT ? (float2)(0.0f) : at;
-    float4 p;
+/* Where a patch's k-th scatterer is, in the scene frame; the fourth: its share, below 0 of a smooth one upside down. */
+static float4 scatterer_of(__global const dev_ping *ping, __global const dev_patch *patch, uint k) {
     if (patch->kind == DEV_KIND_WATER) {
-        vector u;
-        float solid = water_direction(ping, c->slots > c->scatterers, at, k, &u);
-        float depth =
-            (float)((lattice_first(patch->start[1], k) * 747796405u) >> 8) * 5.9604645e-8f;
-        float range = patch->corner[0] + depth * patch->edge1[0];
-        p = (float4)(ping->origin[0] + range * u.x, ping->origin[1] + range * u.y,
-                     ping->origin[2] + range * u.z, patch->share * solid);
-    } else {
-        p = (float4)(patch->corner[0] + at.x * patch->edge1[0] + at.y * patch->edge2[0],
-                     patch->corner[1] + at.x * patch->edge1[1] + at.y * patch->edge2[1],
-                     patch->corner[2] + at.x * patch->edge1[2] + at.y * patch->edge2[2],
-                     patch->share);
+        return in_water_of(ping, patch, k);
     }
-    return p;
+    float3 at = patch->smooth != 0u ? grid_of(patch, k) : (float3)(fractions_of(patch, k), 1.0f);
+    at = patch->kind == DEV_KIND_POINT ? (float3)(0.0f, 0.0f, 1.0f) : at;
+    return (float4)(patch->corner[0] + at.x * patch->edge1[0] + at.y * patch->edge2[0],
+                    patch->corner[1] + at.x * patch->edge1[1] + at.y * patch->edge2[1],
+                    patch->corner[2] + at.x * patch->edge1[2] + at.y * patch->edge2[2],
+                    at.z * patch->share);
 }
 
 /* One work-item per patch. OWNER: the patch of every slot; slots beyond the last scatterer have none. */
@@ -94,7 +89,7 @@ __kernel void coherent_place(__global const dev_ping *ping, __global const dev_c
     __global const dev_patch *patch = patches + at;
     for (uint k = 0; k < patch->count; k++) {
         uint slot = patch->first + k;
-        float4 p = scatterer_of(ping, c, patch, k);
+        float4 p = scatterer_of(ping, patch, k);
         places[slot] = p;
         owner[slot] = at;
 #if ASDIC_HAS_MESH
@@ -133,7 +128,7 @@ typedef struct found {
     natural kind, key0, key1, number;
     natural plane;  /* that mirrors: DEV_KIND_*; 0: none */
     mask out, back; /* which leg goes by way of it */
-    mask there, smooth, folded;
+    mask there, smooth;
     real share, pieces;
     triple at, edge1, edge2;
 } found;
@@ -169,7 +164,6 @@ static found find(const world *w, __global const dev_coherent *c, __global const
         AT(f.key1, uint) = patch->key[1];
         AT(f.number, uint) = at - patch->first;
         AT(f.smooth, int) = patch->smooth != 0u ? -1 : 0;
-        AT(f.folded, int) = patch->folded != 0u ? -1 : 0;
         AT(f.pieces, float) = (float)(patch->count);
         AT(f.edge1.x, float) = patch->edge1[0];
         AT(f.edge1.y, float) = patch->edge1[1];
@@ -199,7 +193,6 @@ static found find(const world *w, __global const dev_coherent *c, __global const
     f.out = f.out != 0;
     f.back = f.back != 0;
     f.smooth = f.smooth != 0;
-    f.folded = f.folded != 0;
 #endif
     return f;
 }
@@ -247,19 +240,20 @@ static sight see(__global const dev_ping *ping, __global const dev_coherent *c, 
     return s;
 }
 
-/* What a smooth piece of area SHARE returns, relative to a point of 1 m2 (physical optics: the integral of
- * cos i exp(-2 i k r) / lambda over the piece, here the middle's value times the fall of its form factor,
- * exact to second order in its size). U is the mean of both legs' directions. Roughness takes exp(-g cos^2 i) of
- * its energy. */
-static real smooth_amplitude(const world *w, const found *f, const law_lanes *laws, slant met,
-                             triple u) {
-    real turns = R(2.0) / (real)(w->ping->wavelength_m);
-    real a = dot3(f->edge1, u) * turns, b = dot3(f->edge2, u) * turns;
-    real spread = choose(f->folded, (a * a + b * b - a * b) / R(18.0), (a * a + b * b) / R(12.0));
-    spread /= f->pieces;
-    real fall = exp(R(-2.0) * R_PI * R_PI * spread);
-    real amplitude = f->share * met.sine / (real)(w->ping->wavelength_m) * sqrt(laws->reflection2);
-    return amplitude * fall * exp(R(-0.5) * laws->roughness_g * met.sine * met.sine);
+/* What a smooth piece of area SHARE, below 0 upside down, returns, relative to a point of 1 m2 (physical optics: the integral
+ * of cos i exp(-2 i k r) / lambda over the piece, whose phase goes evenly). U is the mean of both legs' directions. Roughness
+ * takes exp(-g cos^2 i) of its energy. */
+static phasor smooth_amplitude(const world *w, const found *f, const law_lanes *laws, slant met,
+                               triple u) {
+    real turns = R(2.0) / ((real)(w->ping->wavelength_m) * sqrt(f->pieces));
+    turns = choose(f->share < R(0.0), -turns, turns);
+    phasor form = triangle_form(dot3(f->edge1, u) * turns, dot3(f->edge2, u) * turns);
+    real amplitude = r_abs(f->share) * met.sine / (real)(w->ping->wavelength_m) *
+                     sqrt(laws->reflection2) *
+                     exp(R(-0.5) * laws->roughness_g * met.sine * met.sine);
+    form.re *= amplitude;
+    form.im *= amplitude;
+    return form;
 }
 
 /* The scattering strength without the lobe that smooth pieces make themselves. */
@@ -356,9 +350,9 @@ __kernel void coherent_shade(__global const dev_ping *ping, __global const dev_c
     /* Water's share is an angle as seen straight: an image has the same volume. */
     real tube = (real)(c->water_lin) * f.share * straight.range.high * straight.range.high;
     energy = choose(f.kind == DEV_KIND_WATER, tube, energy);
-    real amplitude = sqrt(energy);
     met.sine = R(0.5) * (met_out.sine + met.sine);
-    amplitude = choose(f.smooth, smooth_amplitude(&w, &f, &laws, met, mean), amplitude);
+    phasor mirror = smooth_amplitude(&w, &f, &laws, met, mean);
+    real amplitude = choose(f.smooth, R(1.0), sqrt(energy));
 
     /* The transmitter and an element, and the loss of both ways. */
     triple v = in_face(c->rows, heard_from.u);
@@ -375,8 +369,8 @@ __kernel void coherent_shade(__global const dev_ping *ping, __global const dev_c
     draw = philox4x32(draw, ping->seed[0], ping->seed[1]);
     phasor chance = gaussian_of(draw.v[0], draw.v[1]);
     mask sure = f.smooth | (f.kind == DEV_KIND_POINT);
-    chance.re = choose(sure, R(1.0), chance.re);
-    chance.im = choose(sure, R(0.0), chance.im);
+    chance.re = choose(f.smooth, mirror.re, choose(sure, R(1.0), chance.re));
+    chance.im = choose(f.smooth, mirror.im, choose(sure, R(0.0), chance.im));
     two both = two_add(sent.range, heard_from.range);
     two turns = {(real)(c->turns_per_m), (real)(c->turns_per_m_low)};
     phasor way = phasor_times(phasor_of(-two_turns(both, turns)), by);

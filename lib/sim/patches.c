@@ -5,6 +5,7 @@
 #include "aim.h"
 #include "base/context.h"
 #include "base/vec.h"
+#include "piece.h"
 #include "scene/scene.h"
 
 #include <math.h>
@@ -16,25 +17,28 @@
 /* A resolution cell has this many scatterers in the directions of beams, at least: the variance of its energy
  * is then below 1 %, and speckle is Rayleigh's. */
 #define LEAST_OF_CELL 5.0
-/* Lattices of seeds that follow each other begin far apart: the plastic number's inverse powers. */
+/* Lattices of seeds that follow each other begin far apart: the plastic number's inverse powers, by which the water's
+ * scatterers follow each other as well. */
 #define STEP_1 0xC13FA9A9u
 #define STEP_2 0x91E10DA5u
-/* Share of the scatterers that is in the water. */
+/* Share of the scatterers that is in the water, and into how many strips each shell of it is cut. */
 #define WATER_SHARE 0.25
+#define STRIPS 48
 /* Pieces are cut to this share of their distance, at most. */
 #define WIDEST_PIECE 0.125
 /* Half of the energy that roughness leaves to the mirror direction is lost at g = ln 2. Beyond this g, nothing
  * is left of phase: exp(-14) is 60 dB. */
 #define MOST_ROUGHNESS 14.0
 #define LEAST_ROUGHNESS 1e-6
-
-/* A patch before it is cut: a parallelogram, or one half of it. */
-typedef struct piece {
-    asdic_vec3 corner, edge1, edge2; /* scene frame */
-    bool folded, smooth;
-    dev_uint triangle, kind;
-    uint32_t name[3]; /* the same for the same piece of the world */
-} piece;
+/* A smooth piece is one number, that of its middle, for every element and all of the pulse (facet_form.h). So along each edge
+ * the phase there and back may turn by this much, */
+#define SMOOTH_TURNS 0.5
+/* depart from even by this many wavelengths, edge^2 / range, */
+#define SMOOTH_BENT 0.02
+/* and turn by this much more to the end of the array, or of a face, than to its middle. */
+#define SMOOTH_ASIDE 0.015
+/* Triangles longer than this many times their height are cut across first. */
+#define SLIVER 4.0
 
 typedef struct finder {
     const asdic_simulator *sim;
@@ -43,38 +47,13 @@ typedef struct finder {
     asdic_vec3 at;      /* the sonar, scene frame */
     double mirror_m[2]; /* depths of the planes that mirror, scene frame */
     size_t mirrors;
-    double counted, smooth_m2;
+    double counted;
     double least_per_m2;         /* density that LEAST_OF_CELL asks for, 1 m away */
     float line[3];               /* the array's */
     double beams_from, beams_to; /* direction cosines along the line between which beams look */
+    double half_m;               /* from the middle of the array, or of a face, to an end */
+    double tall_wl; /* of transmitter or element, the one that hears less of the water */
 } finder;
-
-static asdic_vec3 middle_of(const piece *p) {
-    double share = p->folded ? 1.0 / 3.0 : 0.5;
-    return asdic_vec3_add(p->corner, asdic_vec3_scale(asdic_vec3_add(p->edge1, p->edge2), share));
-}
-
-static double area_of(const piece *p) {
-    double area = asdic_vec3_length(asdic_vec3_cross(p->edge1, p->edge2));
-    return p->folded ? 0.5 * area : area;
-}
-
-static double length_of(const piece *p) {
-    return fmax(fmax(asdic_vec3_length(p->edge1), asdic_vec3_length(p->edge2)),
-                asdic_vec3_length(asdic_vec3_sub(p->edge1, p->edge2)));
-}
-
-/* Farthest that a point of the piece is from its middle. */
-static double reach_of(const piece *p) {
-    asdic_vec3 middle = middle_of(p), ends[4] = {p->corner, asdic_vec3_add(p->corner, p->edge1),
-                                                 asdic_vec3_add(p->corner, p->edge2)};
-    ends[3] = p->folded ? p->corner : asdic_vec3_add(ends[1], p->edge2);
-    double most = 0.0;
-    for (int i = 0; i < 4; i++) {
-        most = fmax(most, asdic_vec3_length(asdic_vec3_sub(ends[i], middle)));
-    }
-    return most;
-}
 
 /* Envelope of sinc^2, nulls filled. */
 static double envelope(double x) {
@@ -97,7 +76,7 @@ static double loudness(const finder *f, asdic_vec3 u, double sine) {
                 LEAST_LOUD);
 }
 
-static void add_patch(finder *f, const piece *p, uint32_t count) {
+static void add_patch(finder *f, const asdic_piece *p, uint32_t count) {
     asdic_patches *all = f->out;
     if (all->count == all->capacity) {
         size_t capacity = all->capacity ? 2 * all->capacity : 4096;
@@ -117,7 +96,7 @@ static void add_patch(finder *f, const piece *p, uint32_t count) {
         .corner = {(float)p->corner.x, (float)p->corner.y, (float)p->corner.z},
         .edge1 = {(float)p->edge1.x, (float)p->edge1.y, (float)p->edge1.z},
         .edge2 = {(float)p->edge2.x, (float)p->edge2.y, (float)p->edge2.z},
-        .share = (float)(area_of(p) / count),
+        .share = (float)(asdic_piece_area(p) / count),
         .first = (dev_uint)all->slots,
         .count = count,
         .triangle = p->triangle,
@@ -130,63 +109,81 @@ static void add_patch(finder *f, const piece *p, uint32_t count) {
     all->slots += count;
 }
 
-static void cut_piece(finder *f, const piece *p);
+static void cut_piece(finder *f, const asdic_piece *p);
 
 /* Four pieces of half the size. */
-static void cut_in_four(finder *f, const piece *p) {
-    asdic_vec3 a = asdic_vec3_scale(p->edge1, 0.5), b = asdic_vec3_scale(p->edge2, 0.5);
-    asdic_vec3 far = asdic_vec3_add(p->corner, asdic_vec3_add(a, b));
-    const asdic_vec3 corner[4] = {p->corner, asdic_vec3_add(p->corner, a),
-                                  asdic_vec3_add(p->corner, b), far};
+static void cut_in_four(finder *f, const asdic_piece *p) {
     for (uint32_t k = 0; k < 4; k++) {
-        piece part = *p;
-        part.corner = corner[k];
-        part.edge1 = a;
-        part.edge2 = b;
-        if (p->folded && k == 3) { /* the triangle in the middle stands on its head */
-            part.edge1 = asdic_vec3_scale(a, -1.0);
-            part.edge2 = asdic_vec3_scale(b, -1.0);
+        asdic_piece part = asdic_piece_quarter(p, k);
+        cut_piece(f, &part);
+    }
+}
+
+/* A piece as seen straight, and by way of every mirror. */
+static size_t ways_to(const finder *f, const asdic_piece *p, asdic_vec3 way[3]) {
+    for (size_t k = 0; k <= f->mirrors; k++) {
+        asdic_vec3 at = asdic_piece_middle(p);
+        at.z = k > 0 ? 2.0 * f->mirror_m[k - 1] - at.z : at.z;
+        way[k] = asdic_vec3_sub(at, f->at);
+    }
+    return f->mirrors + 1;
+}
+
+/* EDGE, or a normal, as WAY number K meets it. */
+static asdic_vec3 as_met(asdic_vec3 edge, size_t k) {
+    edge.z = k > 0 ? -edge.z : edge.z;
+    return edge;
+}
+
+/* Whether a triangle's outer side shows by any way; OUTWARD as of asdic_part: all of a sheet's do. */
+static bool faces_sonar(const finder *f, const asdic_piece *p, int outward) {
+    asdic_vec3 way[3], normal = asdic_vec3_cross(p->edge1, p->edge2);
+    size_t ways = ways_to(f, p, way);
+    bool faces = outward == 0;
+    for (size_t k = 0; k < ways; k++) {
+        faces = faces || outward * asdic_vec3_dot(as_met(normal, k), way[k]) < 0.0;
+    }
+    return faces;
+}
+
+/* Into how many parts an EDGE of a smooth piece P, which reaches over REACH, is to fall. */
+static double parts_of(const finder *f, const asdic_piece *p, asdic_vec3 edge, double reach) {
+    double wavelength_m = f->shot->water.wavelength_m, length = asdic_vec3_length(edge), most = 0.0;
+    asdic_vec3 way[3];
+    size_t ways = ways_to(f, p, way);
+    for (size_t k = 0; k < ways; k++) {
+        double range = fmax(asdic_vec3_length(way[k]), wavelength_m);
+        double along = (fabs(asdic_vec3_dot(as_met(edge, k), way[k])) + length * reach) / range;
+        double turns = 2.0 * fmin(along, length) / wavelength_m;
+        double bent = length / sqrt(SMOOTH_BENT * wavelength_m * range);
+        double aside = length * f->half_m / (SMOOTH_ASIDE * wavelength_m * range);
+        most = fmax(fmax(most, turns / SMOOTH_TURNS), fmax(bent, aside));
+    }
+    return most;
+}
+
+/* A smooth piece: until equal parts of it, small enough, cover it. Cut in four it has borders along its own edges, where what
+ * parts of different size leave out matters least; slivers are cut across. */
+static void cut_smooth(finder *f, const asdic_piece *p, double reach, double area) {
+    const asdic_vec3 edge[3] = {p->edge1, p->edge2, asdic_vec3_sub(p->edge1, p->edge2)};
+    double parts = 1.0, longest_m = 0.0;
+    int longest = 0;
+    for (int i = 0; i < 3; i++) {
+        double length = asdic_vec3_length(edge[i]);
+        parts = fmax(parts, ceil(parts_of(f, p, edge[i], reach)));
+        longest = length > longest_m ? i : longest;
+        longest_m = fmax(longest_m, length);
+    }
+    double across = fmax(parts * 2.0 * area / (longest_m * longest_m), 1.0);
+    if (parts > SLIVER * across) {
+        for (uint32_t k = 0; k < 2; k++) {
+            asdic_piece half = asdic_piece_half(p, longest, k);
+            cut_piece(f, &half);
         }
-        part.name[2] = 4u * p->name[2] + k + 1u;
-        cut_piece(f, &part);
-    }
-}
-
-/* A triangle in two, through the middle of its longest edge. */
-static void cut_in_two(finder *f, const piece *p) {
-    asdic_vec3 a = p->corner, b = asdic_vec3_add(a, p->edge1), c = asdic_vec3_add(a, p->edge2);
-    double ab = asdic_vec3_length(p->edge1), ac = asdic_vec3_length(p->edge2);
-    double bc = asdic_vec3_length(asdic_vec3_sub(c, b));
-    asdic_vec3 top = c, left = a, right = b; /* of the edge, and the corner across */
-    if (bc >= ab && bc >= ac) {
-        top = a, left = b, right = c;
-    } else if (ac >= ab) {
-        top = b, left = c, right = a;
-    }
-    asdic_vec3 middle = asdic_vec3_scale(asdic_vec3_add(left, right), 0.5);
-    for (uint32_t k = 0; k < 2; k++) {
-        piece part = *p;
-        part.corner = top;
-        part.edge1 = asdic_vec3_sub(k ? middle : left, top);
-        part.edge2 = asdic_vec3_sub(k ? right : middle, top);
-        part.name[2] = 2u * p->name[2] + k + 1u;
-        cut_piece(f, &part);
-    }
-}
-
-/* A smooth piece: until equal parts of it, as long as smooth_m, cover it. Slivers are not cut across. */
-static void cut_smooth(finder *f, const piece *p) {
-    if (!f->out) {
-        f->smooth_m2 += area_of(p);
-        return;
-    }
-    double length = length_of(p), side = ceil(length / f->out->smooth_m);
-    double width = 2.0 * area_of(p) / length;
-    double needed = side * fmax(width / f->out->smooth_m, 1.0);
-    if (side * side > DEV_PATCH_SCATTERERS || side * side > 2.0 * needed + 1.0) {
-        cut_in_two(f, p);
+    } else if (parts * parts > DEV_PATCH_SCATTERERS) {
+        cut_in_four(f, p);
     } else {
-        add_patch(f, p, (uint32_t)(side * side));
+        add_patch(f, p, (uint32_t)(parts * parts));
     }
 }
 
@@ -198,7 +195,12 @@ static bool near_beams(const finder *f, asdic_vec3 way, double reach) {
     return y + sine > f->beams_from && y - sine < f->beams_to;
 }
 
-/* What beams look at, and how dense scatterers then are: a cell is as wide as the unshaded array's beam, and as
+/* As long as the pulse. */
+static double cell_m(const finder *f) {
+    return 0.5 * f->shot->water.sound_speed_mps / f->sim->setup.sonar.bandwidth_hz;
+}
+
+/* How large the sonar is, what its beams look at, and how dense scatterers then are: a cell is as wide as the unshaded array's beam, and as
  * long as the pulse. */
 static void look_at_beams(finder *f) {
     const asdic_sonar *sonar = &f->sim->setup.sonar;
@@ -207,8 +209,17 @@ static void look_at_beams(finder *f) {
     dev_beam element = asdic_aim_beam(&sonar->array.element, &f->shot->pose, wavelength_m);
     double wide =
         fmin(wavelength_m / (sonar->array.spacing_m * (double)sonar->array.elements), 1.0);
-    double cell = 0.5 * f->shot->water.sound_speed_mps / sonar->bandwidth_hz;
-    f->least_per_m2 = LEAST_OF_CELL / (wide * cell);
+    f->least_per_m2 = LEAST_OF_CELL / (wide * cell_m(f));
+    /* Where an element looks as high as the transmitter does, the taller one. */
+    const asdic_beam *faces[] = {&sonar->transmitter, &sonar->array.element};
+    f->half_m = 0.5 * sonar->array.spacing_m * (double)(sonar->array.elements - 1);
+    for (int k = 0; k < 2; k++) {
+        f->half_m = fmax(f->half_m, 0.5 * fmax(faces[k]->length_h_m, faces[k]->length_v_m));
+    }
+    const float *ahead = beams[0].rows, *down = element.rows + 6;
+    double apart = fabs(ahead[0] * down[0] + ahead[1] * down[1] + ahead[2] * down[2]);
+    bool alike = apart * element.length_v_wl < 0.5;
+    f->tall_wl = fmax(beams[0].length_v_wl, alike ? element.length_v_wl : 0.0f);
     memcpy(f->line, element.rows + 3, sizeof f->line);
     f->beams_from = 1.0;
     f->beams_to = -1.0;
@@ -227,12 +238,12 @@ typedef struct demand {
 } demand;
 
 /* The most of what the straight way asks for, and those by way of mirrors: what lies behind may be loud there. */
-static demand ask(const finder *f, const piece *p, double reach, double area) {
+static demand ask(const finder *f, const asdic_piece *p, double reach, double area) {
     demand most = {0.0, 0.0, 0.0};
-    for (size_t k = 0; k <= f->mirrors; k++) {
-        asdic_vec3 at = middle_of(p);
-        at.z = k > 0 ? 2.0 * f->mirror_m[k - 1] - at.z : at.z;
-        asdic_vec3 way = asdic_vec3_sub(at, f->at);
+    asdic_vec3 to[3];
+    size_t ways = ways_to(f, p, to);
+    for (size_t k = 0; k < ways; k++) {
+        asdic_vec3 way = to[k];
         double range = asdic_vec3_length(way), near = fmax(range, 0.5 * f->shot->ping->blanking_m);
         double loud = loudness(f, asdic_vec3_scale(way, 1.0 / fmax(range, 1e-9)),
                                fmin(reach / fmax(range, 1e-9), 1.0));
@@ -246,10 +257,10 @@ static demand ask(const finder *f, const piece *p, double reach, double area) {
 }
 
 /* Cuts a piece until DEV_PATCH_SCATTERERS suffice it, and takes what may be heard. */
-static void cut_piece(finder *f, const piece *p) {
+static void cut_piece(finder *f, const asdic_piece *p) {
     const dev_ping *ping = f->shot->ping;
-    double range = asdic_vec3_length(asdic_vec3_sub(middle_of(p), f->at));
-    double reach = reach_of(p), area = area_of(p);
+    double range = asdic_vec3_length(asdic_vec3_sub(asdic_piece_middle(p), f->at));
+    double reach = asdic_piece_reach(p), area = asdic_piece_area(p);
     if (range - reach > ping->range_m || area <= 0.0) {
         return;
     }
@@ -258,7 +269,7 @@ static void cut_piece(finder *f, const piece *p) {
         return;
     }
     if (p->smooth) {
-        cut_smooth(f, p);
+        cut_smooth(f, p, reach, area);
         return;
     }
     double near = fmax(range, 0.5 * ping->blanking_m), wanted = asked.wanted;
@@ -291,7 +302,7 @@ static void cut_plane(finder *f, double depth_m, dev_uint kind) {
     double x = floor(shot->pose.position_m.x / side), y = floor(shot->pose.position_m.y / side);
     for (int i = -1; i <= 1; i++) {
         for (int j = -1; j <= 1; j++) {
-            piece p = {
+            asdic_piece p = {
                 .corner = {(x + i) * side - origin.x, (y + j) * side - origin.y,
                            depth_m - origin.z},
                 .edge1 = {side, 0.0, 0.0},
@@ -311,18 +322,20 @@ static void cut_triangle(finder *f, size_t index) {
     const dev_material *law = &f->sim->setup.scatterers[part->material].device;
     asdic_vec3 v0 = {t->v0[0], t->v0[1], t->v0[2]}, v1 = {t->v1[0], t->v1[1], t->v1[2]},
                v2 = {t->v2[0], t->v2[1], t->v2[2]};
-    piece p = {.corner = v0,
-               .edge1 = asdic_vec3_sub(v1, v0),
-               .edge2 = asdic_vec3_sub(v2, v0),
-               .folded = true,
-               .triangle = (dev_uint)index,
-               .kind = part->kind,
-               .name = {(uint32_t)index, 0x80000000u, 0}};
+    asdic_piece p = {.corner = v0,
+                     .edge1 = asdic_vec3_sub(v1, v0),
+                     .edge2 = asdic_vec3_sub(v2, v0),
+                     .folded = true,
+                     .triangle = (dev_uint)index,
+                     .kind = part->kind,
+                     .name = {(uint32_t)index, 0x80000000u, 0}};
     bool mirrors = law->law == DEV_LAW_FACET && !(law->formula[0] > 0.0f);
     if (!mirrors || law->roughness_g > LEAST_ROUGHNESS) {
         cut_piece(f, &p);
     }
-    if (mirrors && law->roughness_g < MOST_ROUGHNESS) {
+    /* As many smooth ones as phase asks for: they are not counted first. */
+    if (f->out && mirrors && law->roughness_g < MOST_ROUGHNESS &&
+        faces_sonar(f, &p, part->outward)) {
         p.smooth = true;
         cut_piece(f, &p);
     }
@@ -346,31 +359,69 @@ static void cut_surfaces(finder *f) {
     }
 }
 
-/* Shells of water, new in every ping: what scatters there drifts. */
+/* How many scatterers a shell of water has in each of STRIPS equal shares of the azimuth about the transmitter. */
+typedef struct strips {
+    double begin_rad, width_rad, count[STRIPS];
+} strips;
+
+/* WANTED of a shell that is THICK: as loud as the transmitter is there, and LEAST_OF_CELL in cells that beams look at. */
+static strips strips_of(const finder *f, double wanted, double thick) {
+    const float *r = asdic_shot_beams(f->shot)->rows;
+    bool behind = f->shot->ping->rear_lin > 0.0f || f->mirrors > 0;
+    double half = behind ? ASDIC_PI : 0.5 * ASDIC_PI, rise = fmin(1.0 / f->tall_wl, 1.0);
+    strips s = {.begin_rad = -half, .width_rad = 2.0 * half / STRIPS};
+    /* How far, as a sine, what is heard of a strip lies from its middle: by azimuth, and by elevation. */
+    double sine = 0.5 * s.width_rad + 1.0 - sqrt(1.0 - rise * rise), loud[STRIPS], sum = 0.0;
+    for (int i = 0; i < STRIPS; i++) {
+        double phi = s.begin_rad + (i + 0.5) * s.width_rad, x = cos(phi), y = sin(phi);
+        asdic_vec3 u = {r[0] * x + r[3] * y, r[1] * x + r[4] * y, r[2] * x + r[5] * y};
+        loud[i] = fmax(loudness(f, u, sine), LEAST_LOUD);
+        sum += loud[i];
+        s.count[i] = near_beams(f, u, sine) ? f->least_per_m2 * thick * s.width_rad : 0.0;
+    }
+    for (int i = 0; i < STRIPS; i++) {
+        s.count[i] = ceil(fmax(s.count[i], wanted * loud[i] / sum));
+    }
+    return s;
+}
+
+/* Shells of water, each as thick as the pulse is long, new in every ping: what scatters there drifts. Those of a shell are
+ * numbers of one lattice (scatterers.cl), which all shells of a ping begin alike: neighbours join. */
 static void cut_water(finder *f, double wanted) {
     const dev_ping *ping = f->shot->ping;
+    const dev_uint *seed = f->sim->setup.ping.seed;
     /* What is too near straight may be heard by way of a mirror. */
     double from = f->mirrors > 0 ? 0.0 : ping->blanking_m, depth = ping->range_m - from;
     if (f->sim->setup.sampling.left_out & (1u << ASDIC_TERM_VOLUME) ||
         ping->range_m <= ping->blanking_m) {
         return;
     }
-    double pulse = 0.5 * f->shot->water.sound_speed_mps / f->sim->setup.sonar.bandwidth_hz;
-    double thick = fmin(0.5 * pulse, fmax(0.25 * pulse, 8.0 * depth / wanted));
-    size_t shells = (size_t)ceil(depth / thick);
-    /* Even: as many go where the transmitter is loud as anywhere (scatterers.cl). */
-    uint32_t each = (uint32_t)fmin(fmax(wanted / (double)shells, 8.0), DEV_PATCH_SCATTERERS) & ~1u;
-    thick = depth / (double)shells;
-    for (size_t i = 0; i < shells && !f->out->out_of_memory; i++) {
-        piece p = {.edge1 = {thick, 0.0, 0.0},
-                   .edge2 = {0.0, thick, 0.0},
-                   .triangle = ~0u,
-                   .kind = DEV_KIND_WATER,
-                   .name = {(uint32_t)i, ping->ping[0], 0x40000000u + ping->ping[1]}};
+    size_t shells = (size_t)ceil(depth / cell_m(f));
+    double thick = depth / (double)shells;
+    strips s = strips_of(f, wanted / (double)shells, thick);
+    asdic_piece p = {.edge1 = {thick, 0.0, 0.0},
+                     .triangle = ~0u,
+                     .kind = DEV_KIND_WATER,
+                     .name = {0, ping->ping[0], 0x40000000u + ping->ping[1]}};
+    random4 begin = random_draw(~0u, p.name[1], p.name[2], RANDOM_SCATTERER, seed[0], seed[1]);
+    p.corner.z = f->tall_wl;
+    for (size_t i = 0; i < shells; i++) {
         p.corner.x = from + (double)i * thick;
-        add_patch(f, &p, each);
-        if (!f->out->out_of_memory) {
-            f->out->items[f->out->count - 1].share = (float)(thick / each);
+        uint32_t number = 0;
+        for (int k = 0; k < STRIPS; k++) {
+            double parts = ceil(s.count[k] / DEV_PATCH_SCATTERERS);
+            uint32_t count = (uint32_t)ceil(s.count[k] / fmax(parts, 1.0));
+            p.edge1.y = s.width_rad / parts;
+            for (int part = 0; part < parts && !f->out->out_of_memory; part++, p.name[0]++) {
+                double shift = random_uniform(begin.v[2]) - 0.5; /* of the lattice, by azimuth */
+                p.corner.y = s.begin_rad + k * s.width_rad + (part + shift / count) * p.edge1.y;
+                add_patch(f, &p, count);
+                dev_patch *made = &f->out->items[f->out->count - 1];
+                made->share = (float)(thick * p.edge1.y / count);
+                made->start[0] = begin.v[0] + STEP_1 * number;
+                made->start[1] = begin.v[1] + STEP_2 * number;
+                number += count;
+            }
         }
     }
 }
@@ -380,10 +431,10 @@ static void add_points(finder *f) {
     for (size_t i = 0; i < scene->point_count && !f->out->out_of_memory; i++) {
         const asdic_point *point = &f->sim->placement->points[i];
         asdic_vec3 at = asdic_vec3_sub(point->position_m, f->sim->placement->origin_m);
-        piece p = {.corner = at,
-                   .triangle = ~0u,
-                   .kind = DEV_KIND_POINT,
-                   .name = {(uint32_t)i, 0, 0xc0000000u}};
+        asdic_piece p = {.corner = at,
+                         .triangle = ~0u,
+                         .kind = DEV_KIND_POINT,
+                         .name = {(uint32_t)i, 0, 0xc0000000u}};
         add_patch(f, &p, 1);
         if (!f->out->out_of_memory) {
             dev_patch *made = &f->out->items[f->out->count - 1];
@@ -394,12 +445,6 @@ static void add_points(finder *f) {
             made->share = (float)pow(10.0, 0.1 * point->target_strength_db);
         }
     }
-}
-
-/* The side of smooth pieces: a quarter of a wavelength resolves every lobe. More than COUNT of them cost too
- * much; larger ones lose lobes far from the mirror direction. */
-static double smooth_side(const finder *f, double count) {
-    return fmax(0.25 * f->shot->water.wavelength_m, sqrt(2.0 * f->smooth_m2 / count));
 }
 
 size_t asdic_patches_mirrors(const asdic_simulator *sim, double depth_m[2]) {
@@ -433,7 +478,6 @@ asdic_status asdic_patches_find(const asdic_simulator *sim, const asdic_ping_sho
     cut_surfaces(&f); /* counts */
     /* Counts are rounded up to powers of two, on average by 1.44. */
     out->per_m2 = (1.0 - WATER_SHARE) * wanted / (1.44 * fmax(f.counted, 1e-12));
-    out->smooth_m = smooth_side(&f, wanted);
     look_at_beams(&f);
     f.out = out;
     cut_surfaces(&f);

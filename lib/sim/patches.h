@@ -13,9 +13,8 @@
 typedef struct asdic_patches {
     dev_patch *items;
     size_t count, capacity;
-    size_t slots;    /* scatterers of all patches */
-    double per_m2;   /* scatterers on a square metre at 1 m, in the transmitter's beam */
-    double smooth_m; /* side of smooth pieces */
+    size_t slots;  /* scatterers of all patches */
+    double per_m2; /* scatterers on a square metre at 1 m, in the transmitter's beam */
     bool out_of_memory;
 } asdic_patches;
 

@@ -9,6 +9,7 @@
 #include "../../kernels/backscatter.h"
 #include "../../kernels/beam.h"
 #include "../../kernels/detection.h"
+#include "../../kernels/facet_form.h"
 #include "../../kernels/target.h"
 #include "../../kernels/water.h"
 
@@ -111,10 +112,35 @@ static void parts_of_the_detector(void **state) {
     check(parts, sizeof parts / sizeof *parts);
 }
 
+/* A triangle's mean phasor against the sum over a fine grid of rows, each in closed form. */
+static void a_triangle_sums_its_phases(void **state) {
+    (void)state;
+    enum { ROWS = 20000 };
+    static const double turns[][2] = {{0.0, 0.0},  {1e-4, 0.0}, {0.7, 0.0},  {0.7, 0.7},
+                                      {0.3, -0.4}, {0.1, 0.65}, {0.0, -0.5}, {-0.6, -0.1}};
+    const double turn = 2.0 * 3.14159265358979323846;
+    double worst = 0.0;
+    for (size_t i = 0; i < sizeof turns / sizeof *turns; i++) {
+        double a = turns[i][0], b = turns[i][1], re = 0.0, im = 0.0;
+        for (int row = 0; row < ROWS; row++) {
+            double v = (row + 0.5) / ROWS, wide = 1.0 - v, x = 0.5 * turn * a * wide;
+            double weight = 2.0 * wide / ROWS * (fabs(x) < 1e-9 ? 1.0 : sin(x) / x);
+            double phase = turn * (a * (0.5 * wide - 1.0 / 3.0) + b * (v - 1.0 / 3.0));
+            re += weight * cos(phase);
+            im -= weight * sin(phase);
+        }
+        phasor form = triangle_form(a, b);
+        worst = fmax(worst, hypot(form.re - re, form.im - im));
+    }
+    print_message("off by %.2g\n", worst);
+    assert_true(worst < 1e-6);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(parts_of_formulas),
         cmocka_unit_test(parts_of_the_detector),
+        cmocka_unit_test(a_triangle_sums_its_phases),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

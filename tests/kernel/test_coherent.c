@@ -134,7 +134,7 @@ static void elements_agree_with_double(void **state) {
     dev_echo *echoes = NULL;
     size_t count = 0;
     assert_ok(t.ctx, asdic_coherent_echoes(sim, &echoes, &count));
-    assert_in_range(count, 10000, 60000);
+    assert_in_range(count, 10000, 200000);
     size_t begin = (size_t)ceil(r.sonar.blanking_m / ping->sample_m - 0.5 - 1e-6);
     double *p =
         sum_elements(asdic_coherent_told(sim->coherent), echoes, count, begin, ping->samples);

@@ -75,13 +75,12 @@ static void the_mean_is_that_of_intensities(void **state) {
     rig_destroy(&r);
 }
 
-/* The water's echoes have the energy that is expected, also where a shell of it, a quarter of a resolution cell thick,
- * has room for an odd number: every other one goes where the transmitter is loud. */
+/* The water's echoes have the energy that is expected, however many there are. */
 static void water_has_its_level(void **state) {
     (void)state;
     enum { PINGS = 20, NEAR = 5, FAR = 29 };
-    static const double each[] = {9.5, 11.5, 16.5};
-    for (size_t k = 0; k < sizeof each / sizeof *each; k++) {
+    static const uint32_t rays[] = {15000, 500000, 2000000};
+    for (size_t k = 0; k < sizeof rays / sizeof *rays; k++) {
         ping_rig r = empty_array(&t);
         asdic_flat_scene flat = {.depth_m = 500.0};
         asdic_ping *expected = NULL;
@@ -89,8 +88,7 @@ static void water_has_its_level(void **state) {
         r.sonar.max_range_m = FAR + 1;
         r.sonar.bin_length_m = 1.0;
         r.sonar.transmitter.length_h_m = 0.03;
-        double cell_m = 1500.0 / (2.0 * r.sonar.bandwidth_hz), shells = 4.0 * (FAR + 1) / cell_m;
-        r.sampling.rays = (uint32_t)(4.0 * each[k] * shells); /* of which a quarter is water's */
+        r.sampling.rays = rays[k]; /* of which a quarter is water's */
         asdic_simulator *sim = rig_simulator(&r);
         asdic_sonar one = r.sonar;
         one.receivers = &r.sonar.array.element;
@@ -119,6 +117,56 @@ static void water_has_its_level(void **state) {
         asdic_simulator_destroy(&sim);
         rig_destroy(&r);
     }
+}
+
+/* Intensities of water alone over their mean: of contrast 1, however few rays are asked for, and in beams ahead and aside. */
+static void speckle_of_water_is_rayleigh(void **state) {
+    (void)state;
+    enum { PINGS = 40, BEAMS = 5, FROM = 40 };
+    ping_rig r = empty_array(&t);
+    r.env.particle_strength_db = -50.0;
+    r.sonar.max_range_m = 20.0;
+    r.sonar.bin_length_m = 0.075;
+    r.sonar.bandwidth_hz = 10e3;
+    r.sonar.transmitter.length_h_m = 0.01;
+    r.sonar.transmitter.length_v_m = 0.05;
+    r.sonar.array.elements = 64;
+    r.sonar.receiver_count = BEAMS;
+    for (int b = 0; b < BEAMS; b++) {
+        r.receivers[b] = r.receivers[0];
+        r.receivers[b].yaw_rad = (b - 2) * 20.0 * RIG_DEGREE;
+    }
+    r.sampling.rays = 20000;
+    asdic_simulator *sim = rig_simulator(&r);
+    size_t bins = asdic_simulator_bin_count(sim), cells = BEAMS * bins;
+    double *sum = calloc(2 * cells, sizeof *sum), contrast2 = 0.0;
+    assert_non_null(sum);
+    unsigned long long scatterers = 0;
+    for (uint64_t index = 0; index < PINGS; index++) {
+        asdic_ping *ping = array_shoot(&r, sim, index);
+        scatterers = ping->rays;
+        for (size_t i = 0; i < cells; i++) {
+            double heard = ping->intensity_lin[ASDIC_TOTAL][i];
+            sum[2 * i] += heard / PINGS;
+            sum[2 * i + 1] += heard * heard / PINGS;
+        }
+        asdic_ping_destroy(&ping);
+    }
+    size_t count = 0;
+    for (size_t i = 0; i < cells; i++) {
+        if (i % bins >= FROM) {
+            /* Of PINGS samples of an exponential, the mean's own variance makes it less. */
+            contrast2 +=
+                (sum[2 * i + 1] / (sum[2 * i] * sum[2 * i]) - 1.0) * (PINGS + 1.0) / (PINGS - 1.0);
+            count++;
+        }
+    }
+    double contrast = sqrt(contrast2 / (double)count);
+    print_message("water, %llu scatterers: contrast %.4f\n", scatterers, contrast);
+    assert_true(fabs(contrast - 1.0) < 0.03);
+    free(sum);
+    asdic_simulator_destroy(&sim);
+    rig_destroy(&r);
 }
 
 /* Flat sand alone. */
@@ -452,6 +500,7 @@ int main(int argc, char **argv) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_mean_is_that_of_intensities),
         cmocka_unit_test(water_has_its_level),
+        cmocka_unit_test(speckle_of_water_is_rayleigh),
         cmocka_unit_test(noise_has_the_band_and_level_of_the_pulse),
         cmocka_unit_test(elements_hear_their_band),
         cmocka_unit_test(speckle_is_rayleigh),
