@@ -147,7 +147,7 @@ static void print_text(const char *path, asdic_mission *m, const scene_numbers *
            sonar->blanking_m, n->range_m);
     printf("  rays        %u a ping%s", n->rays.rays, n->rays.is_auto ? " (auto)" : "");
     if (asdic_mission_sampling(m)->coherent) {
-        printf(", as scatterers of coherent pings\n");
+        printf(", as scatterers of coherent pings; more where cells or smooth bodies take more\n");
     } else if (isnan(n->rays.stderr_db)) {
         printf(", for an error that 'asdic plan' measures\n");
     } else {

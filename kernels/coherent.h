@@ -35,7 +35,7 @@ typedef struct dev_patch {
      * the azimuth about the transmitter, rad, corner where it begins and edge1 how far it goes; in corner[2] how tall, in
      * wavelengths, what hears it is. */
     float corner[3], edge1[3], edge2[3];
-    float share;  /* of each scatterer: m2; sr m of a shell; of a point its target strength, m2 */
+    float share; /* of each scatterer: m2; sr m of a shell; of a point its target strength, m2 */
     dev_uint first, count;
     dev_uint triangle; /* ~0u: none */
     dev_uint kind;     /* DEV_KIND_* */

@@ -40,9 +40,9 @@ static float lane_0(real x) {
 }
 
 /* Number K of a shell of water, in the scene frame; the fourth: its share. By azimuth they are evenly spaced; by elevation as
- * dense as 1 / (1 + (pi L z)^2), the envelope of what hears them, L wavelengths tall; by elevation and range the next ones of a
- * lattice (the plastic number's, as good in three dimensions as in two). With five in a resolution cell its energy then
- * varies by some 0.5 % (variance). What lies behind is heard by a leak, or by way of a mirror. */
+ * dense as 1 / (1 + (pi L z)^2), the envelope of what hears them, L wavelengths tall; by elevation and range numbers of a
+ * lattice (inverse powers of the plastic number), so that they are even in three dimensions. With 3.5 in a resolution cell its
+ * energy varies by some 1 % (variance). What lies behind is heard by a leak, or by way of a mirror. */
 static float4 in_water_of(__global const dev_ping *ping, __global const dev_patch *patch, uint k) {
     const float unit = 5.9604645e-8f; /* 2^-24 */
     __global const float *rows = beams_of(ping)->rows;
