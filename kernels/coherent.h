@@ -192,7 +192,8 @@ FORMULA real element_longer(real y, real along, real range) {
 /* The pulse after compression: an amplitude of 1 over its middle half, and edges of half its LENGTH each,
  * that reach a quarter beyond. Squares of two edges that overlap add up to 1, so that the integral of
  * s^2 is LENGTH and samples LENGTH apart take the whole of every echo: within 0.4 % wherever the echo is, and
- * 0.02 % on average. Of the polynomials of order 4 with level ends this does it best. */
+ * 0.02 % on average, besides what beams lose between their samples. Of the polynomials of order 4 with level ends
+ * this does it best. */
 FORMULA real pulse_at(real x, real per_length) {
     real u = R(1.5) - R(2.0) * r_abs(x) * per_length;
     u = r_max(r_min(u, R(1.0)), R(0.0));

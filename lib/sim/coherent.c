@@ -19,8 +19,9 @@
 
 #define COUNT(args) (sizeof(args) / sizeof *(args))
 
-/* Samples of a pulse, at least: beams then leave out 0.1 % of its energy in between. */
-#define SAMPLES_OF_PULSE 4.0
+/* Samples of a pulse. Its edges are half as long: with four, what beams make of an echo errs by -0.9 to 0.4 dB with its
+ * place, with six by -0.18 to 0.12 dB, with eight by 0.06 dB at most. */
+#define SAMPLES_OF_PULSE 8.0
 /* Blocks of scatterers that are sorted at the same time. */
 #define FEW_BLOCKS 32u
 #define MANY_BLOCKS 1024u
@@ -53,16 +54,17 @@ static double half_line_m(const asdic_array *array) {
     return 0.5 * array->spacing_m * (double)(array->elements - 1);
 }
 
+/* The looks of a bin are as far apart as a pulse is long, so that together they take in as much of an echo wherever it
+ * is, and share little. */
 asdic_coherent_grid asdic_coherent_grid_of(const asdic_sonar *sonar, double sound_speed_mps,
                                            size_t bins) {
     asdic_coherent_grid g;
     g.cell_m = 0.5 * sound_speed_mps / sonar->bandwidth_hz;
     unsigned looks = asdic_sonar_looks(sonar, sound_speed_mps);
     g.look_m = sonar->bin_length_m / looks;
-    g.pulse_m = fmax(g.cell_m, g.look_m);
-    double per_bin = ceil(SAMPLES_OF_PULSE * sonar->bin_length_m / g.pulse_m - 1e-9);
-    g.sample_m = sonar->bin_length_m / per_bin;
-    g.samples = bins * (size_t)per_bin;
+    g.pulse_m = looks > 1 ? g.look_m : fmax(g.cell_m, g.look_m);
+    g.sample_m = g.pulse_m / SAMPLES_OF_PULSE;
+    g.samples = (size_t)ceil((double)bins * sonar->bin_length_m / g.sample_m - 1e-6);
     g.looks = bins * looks;
     return g;
 }
@@ -127,9 +129,9 @@ static void describe(const asdic_simulator *sim, asdic_coherent *c,
     const asdic_scene *scene = sim->setup.scene;
     size_t width = sim->setup.layout.width;
     double strength = asdic_volume_strength_lin(&sim->setup.env, sonar);
-    size_t bins = asdic_simulator_bin_count(sim);
-    c->grid = asdic_coherent_grid_of(sonar, water->sound_speed_mps, bins);
-    size_t samples = c->grid.samples / bins * sim->setup.bins;
+    double speed_mps = water->sound_speed_mps;
+    c->grid = asdic_coherent_grid_of(sonar, speed_mps, asdic_simulator_bin_count(sim));
+    size_t samples = asdic_coherent_grid_of(sonar, speed_mps, sim->setup.bins).samples;
     c->now = (dev_coherent){
         .spacing_m = (float)array->spacing_m,
         .sample_m = (float)c->grid.sample_m,

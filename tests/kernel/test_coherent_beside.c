@@ -287,9 +287,15 @@ static void bins_of_four_looks(void **state) {
     compare(0.3, full ? 64 : 4, full ? 0.03 : 0.06);
 }
 
+/* Looks of three quarters of a cell. */
+static void bins_of_two_short_looks(void **state) {
+    (void)state;
+    compare(1.51 * CELL_M, full ? 32 : 4, full ? 0.04 : 0.06);
+}
+
 static void bins_of_other_lengths(void **state) {
     (void)state;
-    static const double over_cells[] = {0.2, 0.7, 0.9, 1.0, 1.33, 2.2};
+    static const double over_cells[] = {0.2, 0.7, 0.9, 1.0, 1.33, 2.2, 2.52};
     for (size_t i = 0; full && i < sizeof over_cells / sizeof *over_cells; i++) {
         compare(over_cells[i] * CELL_M, 16, 0.05);
     }
@@ -301,6 +307,7 @@ int main(int argc, char **argv) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(bins_shorter_than_a_cell),
         cmocka_unit_test(bins_of_four_looks),
+        cmocka_unit_test(bins_of_two_short_looks),
         cmocka_unit_test(bins_of_other_lengths),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);

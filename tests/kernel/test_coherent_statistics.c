@@ -184,7 +184,7 @@ static ping_rig sand_rig(void) {
 /* Intensities over their mean at that range: exponential, of contrast 1. */
 static void speckle_is_rayleigh(void **state) {
     (void)state;
-    enum { ELEMENTS = 64, APART = 6, FROM = 1000 };
+    enum { ELEMENTS = 64, APART = 12, FROM = 2000 };
     const size_t pings = full ? 32 : 6;
     ping_rig r = sand_rig();
     r.sonar.transmitter.length_h_m = 0.0075;
@@ -391,7 +391,7 @@ static double smooth_pulse(double x) {
  * is, as coherent from sample to sample as the pulse with itself, whether this is longer than a metre or shorter. */
 static void noise_has_the_band_and_level_of_the_pulse(void **state) {
     (void)state;
-    enum { LAGS = 8, PINGS = 40, BESIDE = LAGS + 1 };
+    enum { LAGS = 16, PINGS = 40, BESIDE = LAGS + 1 };
     static const double bands_hz[] = {300.0, 1875.0}; /* pulses of 2.5 and 0.4 m */
     for (size_t band = 0; band < 2; band++) {
         ping_rig r = empty_array(&t);
@@ -413,7 +413,7 @@ static void noise_has_the_band_and_level_of_the_pulse(void **state) {
         pair_sum sums[BESIDE + 1] = {{0}};
         for (uint64_t k = 0; k < PINGS; k++) {
             asdic_ping *ping = array_shoot(&r, sim, k);
-            assert_close_relative(ping->sample_m, 0.25 * pulse_m, 1e-5);
+            assert_close_relative(ping->sample_m, 0.125 * pulse_m, 1e-5);
             for (size_t e = 0; e + 1 < ping->elements; e++) {
                 for (size_t n = 0; n + LAGS < ping->samples; n++) {
                     for (size_t lag = 0; lag <= LAGS; lag++) {
@@ -437,7 +437,8 @@ static void noise_has_the_band_and_level_of_the_pulse(void **state) {
         for (size_t lag = 1; lag <= BESIDE; lag++) {
             double with = 0.0;
             for (int i = -800; lag < BESIDE && i < 800; i++) {
-                with += 1e-3 * smooth_pulse(1e-3 * i) * smooth_pulse(1e-3 * i + 0.25 * (double)lag);
+                with +=
+                    1e-3 * smooth_pulse(1e-3 * i) * smooth_pulse(1e-3 * i + 0.125 * (double)lag);
             }
             double off = pair_error(&sums[lag], with);
             print_message("%zu: coherence %.3f, off by %.3f\n", lag, with, off);
