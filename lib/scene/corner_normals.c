@@ -164,7 +164,7 @@ static void find_normals(const asdic_surface *s, bool turned, const asdic_vec3 *
 asdic_status asdic_corner_normals_find(asdic_context *ctx, asdic_surface *s, asdic_vec3 *normals) {
     uint32_t corners = 3 * s->count;
     asdic_vec3 *round = malloc(corners * sizeof *round), *spare = malloc(corners * sizeof *spare);
-    bool *whole = malloc(corners * sizeof *whole), has_room = round && spare && whole;
+    bool *whole = calloc(corners, sizeof *whole), has_room = round && spare && whole;
     for (uint32_t vertex = 0; has_room && vertex < corners; vertex++) {
         whole[vertex] = asdic_crease_is_smooth(s, asdic_surface_around(s, vertex));
     }

@@ -1,11 +1,10 @@
 #include "crease.h"
 
 #include "bend.h"
+#include "fold.h"
 
 #include "../base/vec.h"
 
-/* Of half the angle at which facets meet at an edge. */
-#define HALF_CREASE_COSINE 0.954
 /* A patch this much larger than its neighbour may be a flat face with a rounded edge, which stays flat. */
 #define FACE_RATIO 4.0
 /* It is where the neighbour bends this much faster. On a ball all facets bend alike. */
@@ -34,7 +33,7 @@ static bool is_bevel(const asdic_surface *s, uint32_t facet, uint32_t corner, as
         for (uint32_t i = 0; i < around.count; i++) {
             uint32_t next = around.at[i] / 3;
             asdic_vec3 normal = asdic_surface_normal(s, next);
-            if (asdic_vec3_dot(own, normal) < ASDIC_CREASE_COSINE &&
+            if (asdic_vec3_dot(own, normal) < s->crease_cosine &&
                 fabs(asdic_vec3_dot(edge, normal)) < aside &&
                 asdic_vec3_dot(way, asdic_vec3_sub(sum_of_corners(s, next), from)) > 0.0) {
                 return true;
@@ -67,17 +66,60 @@ static bool goes_on(const asdic_surface *s, uint32_t facet, uint32_t corner) {
     uint32_t own = s->patch[facet], other = s->patch[corner / 3];
     return own == other ||
            (asdic_vec3_dot(asdic_surface_normal(s, facet), asdic_surface_normal(s, corner / 3)) >=
-                ASDIC_CREASE_COSINE &&
+                s->crease_cosine &&
             !(s->round && s->patches[other].area_m2 < s->patches[own].area_m2 / FACE_RATIO &&
               begins_edge(s, facet, corner)));
 }
 
+/* Whether a patch AROUND a vertex keeps flat at an edge below the crease angle. */
+static bool has_end(const asdic_surface *s, asdic_corners around) {
+    for (uint32_t i = 0; i < around.count; i++) {
+        if (s->patches[s->patch[around.at[i] / 3]].ends) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Whether the surface comes into the facet of corner AT from one of those that REACHED. */
+static bool is_reached(const asdic_surface *s, asdic_corners around, const bool *reached,
+                       uint32_t at) {
+    for (uint32_t i = 0; i < around.count; i++) {
+        uint32_t from = around.at[i] / 3;
+        if (reached[i] && goes_on(s, from, at) &&
+            !asdic_fold_parts(s, s->patch[from], s->patch[at / 3])) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Those of the corners AROUND to which the surface goes on from FACET over no edge at which a face ends. */
+static void reach(const asdic_surface *s, asdic_corners around, uint32_t facet, bool *reached) {
+    for (uint32_t i = 0; i < around.count; i++) {
+        reached[i] = s->patch[around.at[i] / 3] == s->patch[facet];
+    }
+    for (bool more = true; more;) {
+        more = false;
+        for (uint32_t i = 0; i < around.count; i++) {
+            if (!reached[i] && goes_on(s, facet, around.at[i]) &&
+                is_reached(s, around, reached, around.at[i])) {
+                reached[i] = more = true;
+            }
+        }
+    }
+}
+
 asdic_corners asdic_crease_within(const asdic_surface *s, asdic_corners around, uint32_t facet,
                                   uint32_t *kept) {
+    bool reached[ASDIC_MOST_CORNERS], ends = has_end(s, around);
     uint32_t count = 0;
+    if (ends) {
+        reach(s, around, facet, reached);
+    }
     for (uint32_t i = 0; i < around.count; i++) {
         kept[count] = around.at[i];
-        count += goes_on(s, facet, around.at[i]);
+        count += ends ? reached[i] : goes_on(s, facet, around.at[i]);
     }
     return (asdic_corners){kept, count};
 }
@@ -93,9 +135,13 @@ bool asdic_crease_is_even(const asdic_surface *s, asdic_corners around) {
 }
 
 bool asdic_crease_is_smooth(const asdic_surface *s, asdic_corners around) {
+    double half_cosine = sqrt(0.5 + 0.5 * s->crease_cosine);
+    if (has_end(s, around)) {
+        return false;
+    }
     for (uint32_t i = 1; i < around.count; i++) {
         if (asdic_vec3_dot(asdic_surface_normal(s, around.at[0] / 3),
-                           asdic_surface_normal(s, around.at[i] / 3)) < HALF_CREASE_COSINE) {
+                           asdic_surface_normal(s, around.at[i] / 3)) < half_cosine) {
             return false;
         }
     }
@@ -105,6 +151,9 @@ bool asdic_crease_is_smooth(const asdic_surface *s, asdic_corners around) {
 bool asdic_crease_is_whole(const asdic_surface *s, asdic_corners around) {
     if (asdic_crease_is_smooth(s, around) && asdic_crease_is_even(s, around)) {
         return true;
+    }
+    if (has_end(s, around)) {
+        return false;
     }
     for (uint32_t i = 0; i < around.count; i++) {
         for (uint32_t j = 0; j < around.count; j++) {
@@ -117,10 +166,12 @@ bool asdic_crease_is_whole(const asdic_surface *s, asdic_corners around) {
 }
 
 bool asdic_crease_is_bent(const asdic_surface *s, uint32_t facet) {
+    uint32_t room[ASDIC_MOST_CORNERS];
     for (size_t k = 0; k < 3; k++) {
         asdic_corners around = asdic_surface_around(s, s->vertex[3 * (size_t)facet + k]);
+        around = asdic_crease_within(s, around, facet, room);
         for (uint32_t i = 0; i < around.count; i++) {
-            if (s->patch[around.at[i] / 3] != s->patch[facet] && goes_on(s, facet, around.at[i])) {
+            if (s->patch[around.at[i] / 3] != s->patch[facet]) {
                 return true;
             }
         }

@@ -119,7 +119,7 @@ static bool lean_at_random(const asdic_surface *s, const uint32_t *queue, size_t
             int way = 0;
             uint32_t other = asdic_surface_beyond(s, queue[i], v[k], v[(k + 1) % 3], &way);
             asdic_vec3 next = other == ASDIC_NO_FACET ? own : asdic_surface_normal(s, other);
-            if (other != ASDIC_NO_FACET && asdic_vec3_dot(own, next) >= ASDIC_CREASE_COSINE) {
+            if (other != ASDIC_NO_FACET && asdic_vec3_dot(own, next) >= s->crease_cosine) {
                 asdic_vec3 turn = asdic_vec3_sub(next, own);
                 apart += asdic_vec3_dot(turn, turn);
                 pairs++;
@@ -181,8 +181,8 @@ static void level_faces(asdic_surface *s, double size_m, uint32_t *queue, bool *
                 bool all = true;
                 for (uint32_t i = 0; i < around.count && !spent[vertex]; i++) {
                     uint32_t other = around.at[i] / 3;
-                    if (!done[other] && asdic_vec3_dot(own, asdic_surface_normal(s, other)) >=
-                                            ASDIC_CREASE_COSINE) {
+                    if (!done[other] &&
+                        asdic_vec3_dot(own, asdic_surface_normal(s, other)) >= s->crease_cosine) {
                         done[other] = true;
                         queue[tail++] = other;
                     }

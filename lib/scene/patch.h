@@ -6,10 +6,6 @@
 
 #include "surface.h"
 
-/* Facets that meet at a sharper angle than 35 degrees meet at an edge; below it they stand for one
- * curved surface. A round body of 16 facets turns by 32 from one to the next but one. */
-#define ASDIC_CREASE_COSINE 0.819
-
 /* Touching facets in one plane, or so nearly that rounded coordinates tell the difference. */
 struct asdic_patch {
     double area_m2;
@@ -17,6 +13,7 @@ struct asdic_patch {
     double breadth2_m2; /* of the shorter one */
     asdic_vec3 along;   /* unit, along its length */
     asdic_vec3 normal;  /* of what is nearly in a plane; 0: each facet's own */
+    bool ends;          /* keeps its own normals at an edge to another, below the crease angle */
 };
 
 /* The patches, of a part whose extent is SIZE_M. */

@@ -16,6 +16,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A round body of 16 facets turns by 22.5 degrees from one to the next, one of 11 by 33. */
+#define CREASE_RAD (35.0 * ASDIC_PI / 180.0)
+
 asdic_status asdic_scene_create(asdic_context *ctx, asdic_scene **out) {
     if (!out) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "no place for the scene was given");
@@ -28,6 +31,7 @@ asdic_status asdic_scene_create(asdic_context *ctx, asdic_scene **out) {
     (*out)->has_surface = true;
     (*out)->surface = asdic_material_of(asdic_law_find("course"));
     (*out)->bvh.root = DEV_EMPTY;
+    (*out)->crease_rad = CREASE_RAD;
     return ASDIC_OK;
 }
 
@@ -217,6 +221,7 @@ static asdic_status add_part(asdic_scene *scene, asdic_part *part, const asdic_m
     unsigned use = part->kind == DEV_KIND_OBJECT ? ASDIC_LAW_OBJECT : ASDIC_LAW_BOTTOM;
     TRY(add_material(scene, material, use, &part->material));
     place_triangles(scene, mesh, pose);
+    part->crease_rad = scene->crease_rad;
     part->number = part->kind == DEV_KIND_OBJECT ? (unsigned)++scene->object_count : 0;
     scene->parts[scene->part_count++] = *part;
     return ASDIC_OK;
@@ -229,6 +234,18 @@ asdic_status asdic_scene_add_bottom(asdic_scene *scene, const asdic_mesh *mesh, 
     }
     asdic_part part = {.kind = DEV_KIND_BOTTOM};
     return add_part(scene, &part, mesh, &pose, &material);
+}
+
+asdic_status asdic_scene_set_crease(asdic_scene *scene, double crease_rad) {
+    if (!scene) {
+        return asdic_fail_null(NULL, __func__);
+    }
+    if (!(crease_rad >= 0.0 && crease_rad <= 0.5 * ASDIC_PI)) {
+        return asdic_fail(scene->ctx, ASDIC_ERROR_ARGUMENT,
+                          "a crease of %g rad; 0 to pi / 2 are allowed", crease_rad);
+    }
+    scene->crease_rad = crease_rad;
+    return ASDIC_OK;
 }
 
 /* Copies NAME to OUT, which has ASDIC_NAME_SIZE bytes. */

@@ -29,8 +29,9 @@ typedef struct asdic_part {
     unsigned number;     /* of an object, from 1 on, points included */
     asdic_vec3 center_m; /* bounding sphere, world */
     double radius_m;
-    double area_m2; /* of an object, one side */
-    int outward;    /* whether its triangles, as wound, face out of it: 1, -1 into it, 0: a sheet */
+    double area_m2;    /* of an object, one side */
+    double crease_rad; /* facets that lean less against each other stand for a curved surface */
+    int outward; /* whether its triangles, as wound, face out of it: 1, -1 into it, 0: a sheet */
 } asdic_part;
 
 typedef struct asdic_point {
@@ -85,7 +86,8 @@ struct asdic_scene {
     size_t layer_count, copies;         /* ... in which each movable is there COPIES times */
     asdic_vec3 min_m, max_m;
     double build_s, hierarchy_s;
-    unsigned threads; /* 0: one per processor */
+    double crease_rad; /* of parts to come */
+    unsigned threads;  /* 0: one per processor */
     /* The bottom's triangles, where they are the first: their box, and, of a scene that may be
      * reopened, what is kept of them. */
     size_t ground_count;

@@ -4,6 +4,7 @@
 
 #include "corner_normals.h"
 #include "crease.h"
+#include "fold.h"
 #include "moving.h"
 #include "straight.h"
 
@@ -67,6 +68,7 @@ static asdic_status smooth_part(asdic_scene *scene, size_t part, asdic_surface *
     asdic_movable *moving;
     TRY(find_movable(scene, part, &moving));
     TRY(asdic_surface_find_patches(scene->ctx, 2.0 * scene->parts[part].radius_m, surface));
+    TRY(asdic_surface_find_folds(scene->ctx, surface));
     asdic_vec3 *normals = malloc(3 * (size_t)surface->count * sizeof *normals);
     asdic_status status = normals ? asdic_corner_normals_find(scene->ctx, surface, normals)
                                   : asdic_fail_memory(scene->ctx, "the normals of an object");
@@ -86,6 +88,7 @@ static asdic_status finish_part(asdic_scene *scene, size_t begin, size_t end, bo
     asdic_status status =
         asdic_surface_init(scene->ctx, scene->corners_m + 9 * begin, scene->triangles + begin,
                            (uint32_t)(end - begin), &surface);
+    surface.crease_cosine = cos(scene->parts[scene->triangles[begin].part].crease_rad);
     if (!status && curved) {
         status = smooth_part(scene, scene->triangles[begin].part, &surface);
     }

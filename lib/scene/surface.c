@@ -141,6 +141,8 @@ void asdic_surface_finish(asdic_surface *surface) {
     free(surface->side);
     free(surface->patch);
     free(surface->patches);
+    free(surface->first_fold);
+    free(surface->folds);
     free(surface->round);
 }
 

@@ -13,6 +13,7 @@
 #define ASDIC_NO_FACET UINT32_MAX
 
 typedef struct asdic_patch asdic_patch; /* patch.h */
+typedef struct asdic_fold asdic_fold;   /* fold.h */
 
 typedef struct asdic_surface {
     const double *corners_m; /* 9 per facet, world */
@@ -25,7 +26,10 @@ typedef struct asdic_surface {
     int8_t *side;    /* per facet: 1 as it is wound, -1 the other way; neighbours then agree */
     uint32_t *patch; /* per facet */
     asdic_patch *patches;
-    asdic_vec3 *round; /* 3 per facet: normals as if no patch were a face with a rounded edge */
+    uint32_t *first_fold; /* per patch, and one more: where its folds begin */
+    asdic_fold *folds;
+    double crease_cosine; /* of the angle from which on facets meet at an edge */
+    asdic_vec3 *round;    /* 3 per facet: normals as if no patch were a face with a rounded edge */
 } asdic_surface;
 
 /* COUNT facets of a part: which touch, their sides and rims. Finish it even when this fails. */

@@ -1,0 +1,280 @@
+#include "fold.h"
+
+#include "../base/context.h"
+#include "../base/vec.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* A turn goes on where the next is alike to this ratio, by itself or by length: chords of a circle turn by half the sum of
+ * their lengths over its radius, and the first and the last of a fillet by half as much as those within. */
+#define ALIKE 3.0
+/* A facet so much narrower than what it bevels stands for a rounded edge. */
+#define BEVEL_RATIO 4.0
+/* What lies at a patch's far side is farther away than this share of its width, more than the middle of what is beside. */
+#define FAR_SIDE 0.6
+/* It turns ahead, not aside: cosine of the angle between. */
+#define AHEAD 0.5
+/* A patch with more neighbours is a floor; whether they turn on is not asked. */
+#define MOST_FOLDS 2048
+
+/* Facets by their patch, and what is found on the way. */
+typedef struct folding {
+    asdic_surface *s;
+    uint32_t *first, *members; /* of each patch */
+    uint32_t *place;           /* by patch: its fold beside the present one */
+    uint32_t *seen;            /* by vertex: the patch that saw it last */
+    size_t count, room;
+} folding;
+
+static asdic_vec3 patch_normal(const folding *f, uint32_t patch) {
+    const asdic_patch *p = &f->s->patches[patch];
+    return asdic_patch_is_level(p) ? p->normal
+                                   : asdic_surface_normal(f->s, f->members[f->first[patch]]);
+}
+
+static uint32_t size_of(const folding *f, uint32_t patch) {
+    return f->first[patch + 1] - f->first[patch];
+}
+
+static void sort_members(folding *f) {
+    const asdic_surface *s = f->s;
+    for (uint32_t i = 0; i < s->count; i++) {
+        f->first[s->patch[i] + 1]++;
+    }
+    for (uint32_t i = 0; i < s->count; i++) {
+        f->first[i + 1] += f->first[i];
+    }
+    for (uint32_t i = 0; i < s->count; i++) {
+        f->members[f->first[s->patch[i]]++] = i;
+    }
+    memmove(f->first + 1, f->first, s->count * sizeof *f->first);
+    f->first[0] = 0;
+}
+
+/* The fold from PATCH, whose folds begin at BEGIN, to OTHER; NULL without room. */
+static asdic_fold *fold_to(folding *f, uint32_t begin, uint32_t other) {
+    uint32_t at = f->place[other];
+    if (at >= begin && at < f->count && f->s->folds[at].patch == other) {
+        return &f->s->folds[at];
+    }
+    if (f->count == f->room) {
+        size_t room = 2 * f->room + 64;
+        asdic_fold *more = realloc(f->s->folds, room * sizeof *more);
+        if (!more) {
+            return NULL;
+        }
+        f->s->folds = more;
+        f->room = room;
+    }
+    f->place[other] = (uint32_t)f->count;
+    f->s->folds[f->count] = (asdic_fold){.patch = other, .beyond = INFINITY};
+    return &f->s->folds[f->count++];
+}
+
+/* Adds VERTEX of PATCH to the folds with all that touch it there. */
+static bool fold_vertex(folding *f, uint32_t patch, uint32_t facet, uint32_t vertex) {
+    const asdic_surface *s = f->s;
+    asdic_corners around = asdic_surface_around(s, vertex);
+    uint32_t begin = s->first_fold[patch];
+    asdic_vec3 own = asdic_surface_normal(s, facet), p = asdic_surface_corner(s, vertex);
+    for (uint32_t i = 0; i < around.count; i++) {
+        uint32_t next = around.at[i] / 3, other = s->patch[next];
+        if (other == patch || (size_of(f, patch) == 1 && size_of(f, other) == 1) ||
+            asdic_vec3_dot(own, asdic_surface_normal(s, next)) < s->crease_cosine) {
+            continue;
+        }
+        asdic_fold *fold = fold_to(f, begin, other);
+        if (!fold) {
+            return false;
+        }
+        if (fold->shared == 0 || fold->last != vertex) {
+            fold->at_m = asdic_vec3_add(fold->at_m, p);
+            fold->last = vertex;
+            fold->shared++;
+        }
+    }
+    return true;
+}
+
+static void find_beside(folding *f, uint32_t patch, bool *has_room) {
+    asdic_surface *s = f->s;
+    uint32_t begin = s->first_fold[patch] = (uint32_t)f->count;
+    for (uint32_t i = f->first[patch]; i < f->first[patch + 1]; i++) {
+        for (uint32_t k = 0; k < 3; k++) {
+            uint32_t vertex = s->vertex[3 * (size_t)f->members[i] + k];
+            if (f->seen[vertex] != patch) {
+                f->seen[vertex] = patch;
+                *has_room = *has_room && fold_vertex(f, patch, f->members[i], vertex);
+            }
+        }
+    }
+    f->count = f->count - begin > MOST_FOLDS ? begin : f->count;
+    for (size_t i = begin; i < f->count; i++) {
+        s->folds[i].at_m = asdic_vec3_scale(s->folds[i].at_m, 1.0 / s->folds[i].shared);
+    }
+}
+
+/* How PATCH turns into OTHER: in its plane, as long as the sine. */
+static asdic_vec3 turn_of(const folding *f, uint32_t patch, uint32_t other) {
+    asdic_vec3 own = patch_normal(f, patch), next = patch_normal(f, other);
+    return asdic_vec3_sub(next, asdic_vec3_scale(own, asdic_vec3_dot(own, next)));
+}
+
+/* Width of PATCH across an edge, WAY the unit vector across it in a plane beside. */
+static double width_of(const folding *f, uint32_t patch, asdic_vec3 way) {
+    asdic_vec3 n = patch_normal(f, patch);
+    way = asdic_vec3_sub(way, asdic_vec3_scale(n, asdic_vec3_dot(way, n)));
+    double length = asdic_vec3_length(way);
+    return length > 0.0 ? asdic_patch_width(&f->s->patches[patch], way) / length : 0.0;
+}
+
+/* How PATCH turns over a fold, and how far it reaches across it. */
+typedef struct across {
+    asdic_vec3 way; /* unit; 0: it does not turn */
+    double sine, width;
+} across;
+
+static across across_of(const folding *f, uint32_t patch, const asdic_fold *fold) {
+    asdic_vec3 turn = turn_of(f, patch, fold->patch);
+    across a = {.sine = asdic_vec3_length(turn)};
+    if (a.sine > 0.0) {
+        a.way = asdic_vec3_scale(turn, 1.0 / a.sine);
+        a.width = width_of(f, patch, a.way);
+    }
+    return a;
+}
+
+/* How much PATCH turns along A at FAR, which lies at its far side from FOLD; 0: it does not, or turns aside. */
+static double turn_at(const folding *f, uint32_t patch, const across *a, const asdic_fold *fold,
+                      const asdic_fold *far) {
+    asdic_vec3 apart = asdic_vec3_sub(far->at_m, fold->at_m);
+    if (!(fabs(asdic_vec3_dot(apart, a->way)) >= FAR_SIDE * a->width)) {
+        return 0.0;
+    }
+    asdic_vec3 turn = turn_of(f, patch, far->patch);
+    double along = fabs(asdic_vec3_dot(turn, a->way));
+    return along >= AHEAD * asdic_vec3_length(turn) ? along : 0.0;
+}
+
+static bool alike(double a, double b) {
+    return a <= ALIKE * b && b <= ALIKE * a;
+}
+
+/* Rate of FOLD of PATCH, and the least at the far side where that is of its kind. */
+static void measure_fold(folding *f, uint32_t patch, asdic_fold *fold) {
+    const asdic_surface *s = f->s;
+    across a = across_of(f, patch, fold);
+    if (!(a.sine > 0.0)) {
+        return;
+    }
+    double rate = 2.0 * a.sine / (a.width + width_of(f, fold->patch, a.way));
+    fold->rate = (float)rate;
+    for (uint32_t j = s->first_fold[patch]; j < s->first_fold[patch + 1]; j++) {
+        const asdic_fold *far = &s->folds[j];
+        double turn = turn_at(f, patch, &a, fold, far);
+        double there = 2.0 * turn / (a.width + width_of(f, far->patch, a.way));
+        if (turn > 0.0 && (alike(turn, a.sine) || alike(there, rate))) {
+            fold->beyond = fminf(fold->beyond, (float)there);
+        }
+    }
+}
+
+static asdic_fold *find_fold(const asdic_surface *s, uint32_t patch, uint32_t other) {
+    for (uint32_t i = s->first_fold[patch]; i < s->first_fold[patch + 1]; i++) {
+        if (s->folds[i].patch == other) {
+            return &s->folds[i];
+        }
+    }
+    return NULL;
+}
+
+/* Whether both patches of a fold, BACK from beyond (NULL: none), have an edge in common. On one that is cut apart the
+ * vertices of one alone may lie. */
+static bool is_edge(const asdic_fold *own, const asdic_fold *back) {
+    return back && (own->shared > 1 || back->shared > 1);
+}
+
+/* Whether OWN's patch and that beyond, whose fold BACK is, both turn on, and the latter no faster. */
+static bool is_amid(const asdic_fold *own, const asdic_fold *back) {
+    return own->beyond < INFINITY && back->beyond < INFINITY &&
+           back->beyond <= (float)ALIKE * own->rate;
+}
+
+/* Whether PATCH turns on, amid others, at the side far from FOLD. */
+static bool turns_on(const folding *f, uint32_t patch, const asdic_fold *fold) {
+    const asdic_surface *s = f->s;
+    across a = across_of(f, patch, fold);
+    for (uint32_t j = s->first_fold[patch]; j < s->first_fold[patch + 1]; j++) {
+        const asdic_fold *far = &s->folds[j], *back = find_fold(s, far->patch, patch);
+        if (is_edge(far, back) && is_amid(far, back) && turn_at(f, patch, &a, fold, far) > 0.0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Whether PATCH keeps flat towards FOLD: three facets or fewer, one after another, are faces that meet at blunt edges,
+ * unless the one amid is narrow: a bevel. */
+static bool keeps_flat(const folding *f, uint32_t patch, const asdic_fold *fold) {
+    const asdic_fold *back = find_fold(f->s, fold->patch, patch);
+    if (!is_edge(fold, back) || !(fold->rate > 0.0f) || is_amid(fold, back)) {
+        return false;
+    }
+    if (back->beyond < INFINITY) {
+        return back->beyond > (float)ALIKE * fold->rate || !turns_on(f, fold->patch, back);
+    }
+    if (fold->beyond == INFINITY) {
+        return true;
+    }
+    across a = across_of(f, patch, fold);
+    return BEVEL_RATIO * a.width > width_of(f, fold->patch, a.way) && !turns_on(f, patch, fold);
+}
+
+static bool find_all(folding *f) {
+    asdic_surface *s = f->s;
+    bool has_room = true;
+    sort_members(f);
+    for (uint32_t patch = 0; patch < s->count; patch++) {
+        find_beside(f, patch, &has_room);
+    }
+    s->first_fold[s->count] = (uint32_t)f->count;
+    for (uint32_t patch = 0; has_room && patch < s->count; patch++) {
+        for (uint32_t i = s->first_fold[patch]; i < s->first_fold[patch + 1]; i++) {
+            measure_fold(f, patch, &s->folds[i]);
+        }
+    }
+    for (uint32_t patch = 0; has_room && patch < s->count; patch++) {
+        for (uint32_t i = s->first_fold[patch]; i < s->first_fold[patch + 1]; i++) {
+            s->folds[i].ends = keeps_flat(f, patch, &s->folds[i]);
+            s->patches[patch].ends |= s->folds[i].ends;
+        }
+    }
+    return has_room;
+}
+
+asdic_status asdic_surface_find_folds(asdic_context *ctx, asdic_surface *s) {
+    size_t count = s->count;
+    folding f = {.s = s,
+                 .first = calloc(count + 2, sizeof *f.first),
+                 .members = malloc(count * sizeof *f.members),
+                 .place = malloc(count * sizeof *f.place),
+                 .seen = malloc(3 * count * sizeof *f.seen)};
+    s->first_fold = malloc((count + 1) * sizeof *s->first_fold);
+    bool has_room = f.first && f.members && f.place && f.seen && s->first_fold;
+    if (has_room) {
+        memset(f.place, 0xff, count * sizeof *f.place); /* beyond every fold */
+        memset(f.seen, 0xff, 3 * count * sizeof *f.seen);
+        has_room = find_all(&f);
+    }
+    free(f.first);
+    free(f.members);
+    free(f.place);
+    free(f.seen);
+    return has_room ? ASDIC_OK : asdic_fail_memory(ctx, "the folds of an object");
+}
+
+bool asdic_fold_parts(const asdic_surface *s, uint32_t patch, uint32_t other) {
+    const asdic_fold *fold = find_fold(s, patch, other);
+    return fold && (fold->ends || !is_edge(fold, find_fold(s, other, patch)));
+}

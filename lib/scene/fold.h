@@ -1,0 +1,27 @@
+/*
+ * Where patches meet below the crease angle, and whether what turns there goes on turning beyond.
+ */
+#ifndef ASDIC_SCENE_FOLD_H
+#define ASDIC_SCENE_FOLD_H
+
+#include "patch.h"
+
+/* One patch beside another. */
+struct asdic_fold {
+    uint32_t patch;
+    uint32_t shared; /* vertices; one alone is no edge */
+    uint32_t last;   /* the last of them */
+    asdic_vec3 at_m; /* their mean */
+    float rate;      /* turn by length across the edge, rad/m */
+    float
+        beyond; /* the least at the far side of the patch, where it turns on; INFINITY: it does not */
+    bool ends; /* the patch keeps its own normal along the edge */
+};
+
+/* All folds beside a patch of more than one facet: a facet by itself is of a surface that is triangulated at will. */
+asdic_status asdic_surface_find_folds(asdic_context *ctx, asdic_surface *surface);
+
+/* Whether the surface ends for PATCH at an edge to OTHER, or both have a vertex alone in common. */
+bool asdic_fold_parts(const asdic_surface *surface, uint32_t patch, uint32_t other);
+
+#endif
