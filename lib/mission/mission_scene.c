@@ -269,6 +269,9 @@ static asdic_status build_object(mission_builder *b, size_t number) {
     if (!status && mesh && o->mesh.node) {
         status = reserve_copies(b, number, mesh);
     }
+    if (!status) {
+        status = asdic_scene_set_crease(b->mission->scene, o->crease_deg * ASDIC_PI / 180.0);
+    }
     status = status ? asdic_mission_file_problem(b, o->node, status)
                     : place(b, o->node, mesh, o->mesh.node != NULL, object);
     asdic_mesh_destroy(&own);

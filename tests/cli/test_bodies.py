@@ -155,4 +155,33 @@ def test_a_body_is_as_loud_as_its_visible_faces():
         tap.equal(abs(off[0]) < 0.05 and max(map(abs, off)) < 0.2, True, f"{shape} {rest[1:]}: {off}")
 
 
+def test_a_crease_angle_tells_strips_from_a_curve():
+    """A tube of twelve strips, one of them square on: its A / lambda against the tube's sqrt(R / 2 lambda) L (R. J. Urick,
+    Principles of Underwater Sound, 1983, table 9.1), five times L^2 / lambda away."""
+    need_device()
+    radius, length, wavelength, heard = 0.2, 0.4, C / 100e3, []
+    scene = scene_of("cylinder", (radius, length), {"impedance_mrayl": 45, "roughness_rms_mm": 0, "slope_rms": 0},
+                     [50, 0, 6], [0, 15, 0])
+    scene["objects"][0]["cylinder"]["segments"] = 12
+    scene["sonar"] |= {"max_range_m": 52, "ping_rate_hz": 10, "receivers": [
+        {"name": "a", "length_h_m": 0.03, "length_v_m": 0.02}]}
+    scene["mission"]["pose"] = {"position_m": [0, 0, 6]}
+    for crease in (0, 29, 31, 90):
+        scene["objects"][0]["crease_deg"] = crease
+        with Folder() as folder:
+            asdic("run", folder.write("body.yaml", json.dumps(scene)), "-o", folder / "out", "-q").check(0)
+            with open(folder / "out/bins.csv", encoding="ascii") as file:
+                heard.append(10 * math.log10(sum(10 ** (0.1 * float(row["object_db"])) for row in csv.DictReader(file)
+                                                 if row["object_db"])))
+    strip = 20 * math.log10(2 * radius * math.sin(math.pi / 12) * length / wavelength)
+    tube = 10 * math.log10(radius * length ** 2 / (2 * wavelength))
+    off = [heard[0] - heard[3] - (strip - tube), heard[1] - heard[0], heard[2] - heard[3]]
+    print("# off by", *(f"{x:.2f}" for x in off), "dB of", f"{strip - tube:.2f}")
+    tap.equal(max(map(abs, off)) < 0.5, True, f"{heard}")
+    scene["objects"][0] = {"name": "body", "point": 0, "position_m": [50, 0, 6], "crease_deg": 20}
+    with Folder() as folder:
+        said = asdic("check", folder.write("body.yaml", json.dumps(scene)))
+        tap.equal("'crease_deg' has no effect on a point" in said.err + said.out, True, said.err)
+
+
 tap.main(globals())

@@ -326,8 +326,8 @@ static void check_bottom(const file_bottom *bottom, asdic_problems *problems) {
 
 /* Keys of OBJECT that only a shape can honour. */
 static void check_point(const file_object *object, asdic_problems *problems) {
-    static const char *const shaped[] = {"rotation_deg", "material", "type"};
-    for (size_t i = 0; asdic_yaml_child(object->node, "point") && i < 3; i++) {
+    static const char *const shaped[] = {"rotation_deg", "crease_deg", "material", "type"};
+    for (size_t i = 0; asdic_yaml_child(object->node, "point") && i < 4; i++) {
         asdic_yaml_node *other = asdic_yaml_child(object->node, shaped[i]);
         if (other) {
             asdic_yaml_key_problem(problems, other, "'%s' has no effect on a point; leave it out",

@@ -109,7 +109,7 @@ typedef struct file_object {
     file_mesh mesh;
     file_point point;
     const char *track; /* NULL: at rest */
-    double position_m[3], rotation_deg[3];
+    double position_m[3], rotation_deg[3], crease_deg;
     file_material material;
     file_law law;
 } file_object;

@@ -129,6 +129,10 @@ static const asdic_key object_keys[] = {
     {"rotation_deg", ASDIC_KEY_NUMBERS, OBJECT(rotation_deg), .unit = "deg", .min = -360,
      .max = 360, .count = 3, .fallback = "[0, 0, 0]",
      .doc = "roll, pitch, yaw; applied yaw, then pitch, then roll"},
+    {"crease_deg", ASDIC_KEY_NUMBER, OBJECT(crease_deg), .unit = "deg", .min = 0, .max = 90,
+     .fallback = "35",
+     .doc = "facets that meet at less stand for one curved surface if they go on turning; 0: all "
+            "are flat"},
     {"material", ASDIC_KEY_MAP, ASDIC_KEY_AT_MOST_ONE | ASDIC_KEY_OPTIONAL, OBJECT(material),
      .table = &asdic_material_table, .doc = "how it scatters; else steel, slightly rough"},
 };
