@@ -44,9 +44,9 @@ ASDIC_API asdic_status asdic_scene_add_moving_object(asdic_scene *scene, const c
                                                      const asdic_mesh *mesh, asdic_pose pose,
                                                      asdic_material material);
 
-/* The angle between facets, 0 to pi / 2, from which on objects that are added hereafter have an edge
- * there; below it, facets stand for one curved surface where they go on turning. 35 degrees in a new
- * scene; 0: every facet is flat. */
+/* The angle between facets, 0 to pi / 2, from which on objects that are added hereafter have an
+ * edge there; below it, facets stand for one curved surface where they go on turning. 35 degrees
+ * in a new scene; 0: every facet is flat. */
 ASDIC_API asdic_status asdic_scene_set_crease(asdic_scene *scene, double crease_rad);
 
 /* Adds a point with a target strength of its own (dB re 1 m2, -200..100) for what a shape cannot
