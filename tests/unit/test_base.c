@@ -12,6 +12,7 @@
 #include "base/quadrature.h"
 #include "base/sha256.h"
 #include "base/share.h"
+#include "base/sort.h"
 #include "base/text.h"
 #include "de_locale.h"
 
@@ -23,6 +24,44 @@
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+typedef struct ranked {
+    long rank;
+    size_t nth; /* as it came */
+} ranked;
+
+static bool ranks_higher(const void *a, const void *b) {
+    return ((const ranked *)a)->rank > ((const ranked *)b)->rank;
+}
+
+/* Of 40 items of four ranks each list keeps what stands first of them all, equals as they came, and nothing is written
+ * behind its room. */
+static void first_of_many_are_kept(void **state) {
+    enum { MOST = 40 };
+    (void)state;
+    for (size_t room = 1; room <= MOST + 1; room++) {
+        ranked list[MOST + 2], items[MOST];
+        size_t count = 0;
+        memset(list, 0x5a, sizeof list);
+        const ranked untouched = list[0];
+        for (size_t i = 0; i < MOST; i++) {
+            items[i] = (ranked){(long)(i * i * 5 % 7), i};
+            asdic_sort_keep(list, &count, room, &items[i], sizeof *list, ranks_higher);
+            assert_int_equal(count, i + 1 < room ? i + 1 : room);
+            assert_memory_equal(&list[count], &untouched, sizeof untouched);
+        }
+        for (size_t i = 0; i < MOST; i++) {
+            size_t place = 0;
+            for (size_t k = 0; k < MOST; k++) {
+                place += items[k].rank > items[i].rank || (items[k].rank == items[i].rank && k < i);
+            }
+            if (place < room) {
+                assert_int_equal(list[place].nth, i);
+                assert_int_equal(list[place].rank, items[i].rank);
+            }
+        }
+    }
+}
 
 /* FIPS 180-4 test vectors as NIST publishes them (CSRC, Cryptographic Standards: SHA-256 examples
  * and the long-message example of FIPS 180-2, B.3). */
@@ -444,6 +483,7 @@ int main(void) {
         cmocka_unit_test(numbers_are_those_of_a_grammar),
         cmocka_unit_test(integrals_end),
         cmocka_unit_test(what_is_cleared_is_zero),
+        cmocka_unit_test(first_of_many_are_kept),
         cmocka_unit_test(sha256_meets_published_vectors),
         cmocka_unit_test(sha256_takes_every_length),
         cmocka_unit_test(text_grows_and_quotes),
