@@ -139,12 +139,13 @@ static void remark_on_small_objects(const asdic_mission *m, double wavelength_m,
 #define MOVES 1000
 
 /* How far the vehicle goes and turns from a ping's beginning to its last echo, at most: a ping is simulated as of one
- * instant. */
+ * instant. A scanned head is turned between pings. */
 static void most_move(const asdic_mission *m, double ping_s, double *turn_rad, double *way_m) {
     uint64_t pings = asdic_mission_ping_count(m), step = pings / MOVES + 1;
     for (uint64_t i = 0; i + 1 < pings; i += step) {
         double at_s, next_s;
-        asdic_pose a = asdic_mission_pose(m, i, &at_s), b = asdic_mission_pose(m, i + 1, &next_s);
+        asdic_pose a = asdic_mission_vehicle_pose(m, i, &at_s);
+        asdic_pose b = asdic_mission_vehicle_pose(m, i + 1, &next_s);
         double share = next_s > at_s ? fmin(ping_s / (next_s - at_s), 1.0) : 0.0;
         double turns[3] = {b.yaw_rad - a.yaw_rad, b.pitch_rad - a.pitch_rad,
                            b.roll_rad - a.roll_rad};

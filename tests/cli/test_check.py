@@ -325,17 +325,19 @@ sampling: {coherent: true, rays: 3000}
 def test_motion_within_a_ping_is_remarked_on():
     """A ping of 0.1 s and beams of 15 degrees; 50 m/s are ten bins of 0.5 m, 150 degrees per second a beam."""
     with folder(own_yaml="") as at:
-        def remarks(speed_mps, turn_dps):
+        def remarks(speed_mps, turn_dps, sonar="sonar:\n"):
             rows = "".join(f"{s},{speed_mps * s},0,7,0,0,{turn_dps * s}\n" for s in range(3))
             pathlib.Path(at, "track.csv").write_text("time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n" + rows)
             scene = re.sub(r"mission:.*", "mission: {track: track.csv, pings: 10}", MINIMAL, flags=re.DOTALL)
-            pathlib.Path(at, "scene.yaml").write_text(scene)
+            pathlib.Path(at, "scene.yaml").write_text(scene.replace("sonar:\n", sonar))
             return asdic("check", pathlib.Path(at, "scene.yaml")).check(0).err
         tap.equal(remarks(45, 0), "")
         tap.contains(remarks(60, 0), "remark: mission: until the last echo of a ping the vehicle goes up to 6 m and "
                      "turns up to 0 degrees, of beams of ")
         tap.equal(remarks(0, 90), "")
         tap.contains(remarks(0, 170), "turns up to 17 degrees")
+        scan = "sonar:\n  scan: {sector_deg: 360, step_deg: 60}\n"
+        tap.equal(remarks(0, 0, scan), "", "a head that is scanned turns between pings")
 
 
 def test_a_missing_source_level_is_remarked_on():
