@@ -8,8 +8,10 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Longer than any pose: a longer line is an error of the client. */
-#define MAX_LINE 4096
+/* Most characters of a line: a whole message with what other sensors saw is less. The buffer begins with the usual, and
+ * grows with the lines. */
+#define MAX_LINE ((size_t)1 << 24)
+#define USUAL_LINE 4096
 
 static const cli_option options[] = {
     {"format", 'f', "FORMAT", "json, csv or raw: the form of answers; default json"},
@@ -45,23 +47,40 @@ typedef struct server {
 
 /* Lines from standard input, without stdio, so that a signal ends the wait. */
 typedef struct line_source {
-    char buffer[MAX_LINE + 2]; /* with its end, and a zero */
-    size_t begin, end;
+    char *buffer; /* of SIZE bytes and a zero */
+    size_t size, begin, end;
+    size_t searched; /* before here no line ends */
     bool is_over, is_too_long;
 } line_source;
+
+/* Makes room for more of a line that fills the buffer: a larger one, or all of it when the line is too long. */
+static int make_room(line_source *in) {
+    if (in->size == MAX_LINE + 1) { /* with the line's end */
+        in->is_too_long = true;
+        in->end = in->searched = 0;
+        return 0;
+    }
+    size_t size = in->size ? 2 * in->size : USUAL_LINE;
+    size = size < MAX_LINE ? size : MAX_LINE + 1;
+    char *buffer = realloc(in->buffer, size + 1);
+    in->buffer = buffer ? buffer : in->buffer;
+    in->size = buffer ? size : in->size;
+    return buffer ? 0 : ENOMEM;
+}
 
 /* More bytes into the buffer. False at the end, or when CTX was asked to stop. */
 static bool refill(line_source *in, asdic_context *ctx, int *error) {
     struct pollfd waits[2] = {{.fd = STDIN_FILENO, .events = POLLIN}, {.fd = cli_signal_fd()}};
     memmove(in->buffer, in->buffer + in->begin, in->end - in->begin);
     in->end -= in->begin;
+    in->searched -= in->begin;
     in->begin = 0;
     while (!asdic_context_interrupted(ctx)) {
         ssize_t got = poll(waits, 2, -1);
         if (got > 0 && !waits[0].revents) {
             return false; /* a signal */
         }
-        got = got < 0 ? got : read(STDIN_FILENO, in->buffer + in->end, MAX_LINE + 1 - in->end);
+        got = got < 0 ? got : read(STDIN_FILENO, in->buffer + in->end, in->size - in->end);
         if (got > 0) {
             in->end += (size_t)got;
             return true;
@@ -74,17 +93,19 @@ static bool refill(line_source *in, asdic_context *ctx, int *error) {
     return false;
 }
 
-/* The next line with a terminating zero, and its LENGTH; NULL when there is none. A line longer than the buffer is
- * cut and its rest skipped. A last line without a line end counts. */
+/* The next line with a terminating zero, and its LENGTH; NULL when there is none. Of a line that is too long the end is
+ * given. A last line without a line end counts. */
 static const char *next_line(line_source *in, asdic_context *ctx, size_t *length, int *error) {
     *error = 0;
     for (;;) {
         char *from = in->buffer + in->begin;
-        char *end = memchr(from, '\n', in->end - in->begin);
-        bool is_full = in->begin == 0 && in->end == MAX_LINE + 1;
-        if (!end && is_full) {
-            in->is_too_long = true;
-            in->end = 0;
+        char *end = memchr(in->buffer + in->searched, '\n', in->end - in->searched);
+        in->searched = in->end;
+        if (!end && in->begin == 0 && in->end == in->size) {
+            *error = make_room(in);
+            if (*error) {
+                return NULL;
+            }
             continue;
         }
         if (!end && !in->is_over && refill(in, ctx, error)) {
@@ -100,7 +121,7 @@ static const char *next_line(line_source *in, asdic_context *ctx, size_t *length
             end = in->buffer + in->end;
             in->begin = in->end;
         } else {
-            in->begin = (size_t)(end + 1 - in->buffer);
+            in->begin = in->searched = (size_t)(end + 1 - in->buffer);
         }
         end -= end > from && end[-1] == '\r';
         *end = '\0';
@@ -191,9 +212,9 @@ static bool flush(server *s) {
 static int serve(server *s) {
     line_source in = {.begin = 0};
     asdic_status status = ASDIC_OK;
-    int error = 0;
+    int error = make_room(&in);
     serve_write_head(&s->writer);
-    while (flush(s) && !status) {
+    while (!error && flush(s) && !status) {
         size_t length = 0;
         const char *line = next_line(&in, cli_context(s->c), &length, &error);
         serve_request request;
@@ -210,7 +231,7 @@ static int serve(server *s) {
         serve_line kind =
             in.is_too_long ? SERVE_BAD : serve_read_line(&s->reader, line, length, &request, why);
         if (in.is_too_long) {
-            snprintf(why, sizeof why, "the line is longer than %d characters", MAX_LINE);
+            snprintf(why, sizeof why, "the line is longer than %zu characters", MAX_LINE);
             in.is_too_long = false;
         }
         if (kind == SERVE_BAD) {
@@ -219,6 +240,7 @@ static int serve(server *s) {
             status = ping_at(s, &request);
         }
     }
+    free(in.buffer);
     if (error) {
         cli_error(s->c, "cannot read standard input: %s", strerror(error));
         return CLI_FAILED;
@@ -373,10 +395,12 @@ const cli_command cli_serve_command = {
         "values in the order of a track file, time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg, or of "
         "a header that was sent before. x_m, y_m, z_m are needed, angles are 0 when not given; "
         "time_s is repeated in the answer, and counted on when it is not given; null is not given. "
-        "Other names are passed over with all that they hold, so that whole messages may be sent; "
+        "Other names are passed over with all that they hold, so that whole messages may be sent, "
+        "up to 16 MiB a line; "
         "but a number under a name that seems meant for a value that is not given is an error: "
         "one spelt nearly so, yaw or heading_deg for yaw_deg, depth_m for z_m, any other in _deg "
-        "or _rad where an angle is missing. The scene's own "
+        "or _rad where an angle is missing; so is an attitude in another form, as qx or "
+        "orientation. The scene's own "
         "mission gives the first depth alone; objects with a track move by 1 / ping_rate_hz from "
         "ping to ping, whatever time_s says.\n\n"
         "json: an object a line with \"level_db\", an array for each beam; null where there is no "

@@ -50,11 +50,19 @@ static bool has_stem(const char *name, const char *stem, size_t length) {
 
 /* The column that NAME, which is no column's, was meant for, as yaw or heading_rad for yaw_deg; -1: none. */
 static int meant_column(const char *name) {
-    static const char *const others[SERVE_COLUMNS] = {[SERVE_Z] = "depth", [SERVE_YAW] = "heading"};
+    static const struct {
+        const char *stem;
+        int column;
+    } others[] = {{"depth", SERVE_Z}, {"heading", SERVE_YAW}, {"hdg", SERVE_YAW},
+                  {"psi", SERVE_YAW}, {"theta", SERVE_PITCH}, {"phi", SERVE_ROLL}};
     for (int i = 0; i < SERVE_COLUMNS; i++) {
-        if (has_stem(name, serve_columns[i], strcspn(serve_columns[i], "_")) ||
-            (others[i] && has_stem(name, others[i], strlen(others[i])))) {
+        if (has_stem(name, serve_columns[i], strcspn(serve_columns[i], "_"))) {
             return i;
+        }
+    }
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++) {
+        if (has_stem(name, others[i].stem, strlen(others[i].stem))) {
+            return others[i].column;
         }
     }
     const char *near =
@@ -67,19 +75,33 @@ static bool ends_with(const char *name, const char *unit) {
     return length > size && strcmp(name + length - size, unit) == 0;
 }
 
-/* An unknown name with a number: meant for a column by its spelling, or for one of the angles or the depth by its unit. */
-static void note_strange(name_list *names, const char *text, size_t length) {
+/* Whether NAME is of all three angles in another form. */
+static bool is_attitude(const char *name) {
+    static const char *const stems[] = {"qx",       "qy",   "qz",         "qw",
+                                        "q",        "quat", "quaternion", "orientation",
+                                        "attitude", "rpy",  "ypr",        "euler"};
+    bool found = false;
+    for (size_t i = 0; i < sizeof stems / sizeof *stems; i++) {
+        found |= has_stem(name, stems[i], strlen(stems[i]));
+    }
+    return found;
+}
+
+/* An unknown name with a number, or IS_MANY of them: meant for a column by its spelling, or for one of the angles or
+ * the depth by its unit, or for all angles. */
+static void note_strange(name_list *names, const char *text, size_t length, bool is_many) {
     char name[NAME_SIZE];
     if (length == 0 || length >= sizeof name) {
         return;
     }
     memcpy(name, text, length);
     name[length] = '\0';
-    int first = meant_column(name), last = first;
-    if (first < 0 && (ends_with(name, "_deg") || ends_with(name, "_rad"))) {
+    int first = is_many ? -1 : meant_column(name), last = first;
+    if (is_attitude(name) ||
+        (!is_many && first < 0 && (ends_with(name, "_deg") || ends_with(name, "_rad")))) {
         first = SERVE_ROLL;
         last = SERVE_YAW;
-    } else if (first < 0 && ends_with(name, "_m")) {
+    } else if (!is_many && first < 0 && ends_with(name, "_m")) {
         first = last = SERVE_Z;
     }
     for (int i = first; i >= 0 && i <= last; i++) {
@@ -220,14 +242,39 @@ static bool skip_value(const char **at, int level) {
     return *at != from; /* also too large a one */
 }
 
+/* Copies a name of *LENGTH bytes to OUT, with "\u0078" as x; what is not in ASCII stays as it is, like the other
+ * escapes, since no name of ours has them. Of longer names *LENGTH is 0: they are nobody's. */
+static void plain_name(const char *text, size_t *length, char out[NAME_SIZE]) {
+    size_t used = 0, at = 0;
+    while (at < *length && used + 2 < NAME_SIZE) {
+        bool is_escape = text[at] == '\\';
+        bool is_ascii = is_escape && *length - at >= 6 && memcmp(text + at + 1, "u00", 3) == 0 &&
+                        text[at + 4] >= '2' && text[at + 4] <= '7' &&
+                        isxdigit((unsigned char)text[at + 5]);
+        if (is_ascii) {
+            const char code[] = {text[at + 4], text[at + 5], '\0'};
+            out[used++] = (char)strtol(code, NULL, 16);
+            at += 6;
+        } else {
+            out[used++] = text[at++];
+        }
+        if (is_escape && !is_ascii) { /* what is escaped, as another backslash */
+            out[used++] = text[at++];
+        }
+    }
+    *length = at < *length ? 0 : used;
+}
+
 /* "x_m": 1 and the like at *AT, moved behind it. */
 static bool read_member(const char *line, const char **at, name_list *names, size_t *known,
                         double value[SERVE_COLUMNS], char *why) {
-    const char *name = *at + 1;
+    const char *text = *at + 1;
+    char name[NAME_SIZE];
     if (!skip_string(at)) {
         return bad_json(line, *at, "a name in double quotes", why);
     }
-    size_t length = (size_t)(*at - 1 - name);
+    size_t length = (size_t)(*at - 1 - text);
+    plain_name(text, &length, name);
     int column = find_column(name, length);
     *at = skip_blanks(*at);
     if (**at != ':') {
@@ -235,8 +282,9 @@ static bool read_member(const char *line, const char **at, name_list *names, siz
     }
     *at = skip_blanks(*at + 1);
     if (column < 0) {
-        if (**at == '-' || isdigit((unsigned char)**at)) {
-            note_strange(names, name, length);
+        bool is_many = **at == '{' || **at == '[';
+        if (is_many || **at == '-' || isdigit((unsigned char)**at)) {
+            note_strange(names, name, length, is_many);
         }
         return skip_value(at, 0) || bad_json(line, *at, "a value, at most 32 levels deep,", why);
     }
@@ -307,7 +355,7 @@ static serve_line read_header(serve_reader *r, const char *line, char *why) {
         if (column >= 0) {
             names.has[column] = true;
         } else {
-            note_strange(&names, from, (size_t)(to - from));
+            note_strange(&names, from, (size_t)(to - from), false);
         }
         at = end;
         if (!*at) {

@@ -182,7 +182,7 @@ def test_every_line_that_asks_is_answered():
     program.need_device()
     lines = ['{"x_m": 1, "y_m": 2, "z_m": 7, "yaw_deg": 30, "name": "auv", "armed": true}', "",
              '{"x_m": 1, "y_m": 2}', '{"x_m": 1 "y_m": 2, "z_m": 7}', "1,2,3", "0,0,0,7,0,0,nan",
-             "0,0,0,-1,0,0,0", "x_m,y_m", "z_m, x_m ,y_m,mode", "7,1,2,4", "8" * 5000,
+             "0,0,0,-1,0,0,0", "x_m,y_m", "z_m, x_m ,y_m,mode", "7,1,2,4", "8" * 17_000_000,
              '{"x_m": 1, "y_m": 2, "z_m": 7} rest', "7,1,2,4\r"]
     with Folder() as folder:
         done = serve(folder, lines)
@@ -194,16 +194,17 @@ def test_every_line_that_asks_is_answered():
                 "'z_m' is missing", "column 11: a comma or }", "7 values are expected",
                 "'yaw_deg' = 'nan' is not a number", "above the sea surface", "lacks x_m, y_m or z_m")):
             tap.contains(answer["error"], part)
-        tap.contains(answers[8]["error"], "longer than 4096")
+        tap.contains(answers[8]["error"], "longer than 16777216")
         tap.contains(answers[9]["error"], "the end of the line")
         tap.equal(done.err.count("warning:"), 8, "warnings")
         rows = list(csv.DictReader(io.StringIO(serve(folder, ["1,2", POSES[0]], "-f", "csv").out)))
         tap.equal([bool(row["error"]) for row in rows], [True, False])
         tap.equal(None in rows[0], False, "the line of an error has as many fields")
-        long = [('{"x_m": 1, "y_m": 2, "z_m": 7, "name": "%s"}' % (size * "a")) for size in (4054, 4055)]
-        answers = [json.loads(line) for line in serve(folder, long).out.splitlines()]
-        tap.equal([len(line) for line in long], [4096, 4097])
-        tap.equal(["error" in answer for answer in answers], [False, True], "the longest line")
+        long = ['{"x_m": 1, "y_m": 2, "z_m": 7, "name": "%s"}' % (size * "a") for size in (4054, 4055, 50_000, 2**24 - 42, 3)]
+        tap.equal([len(line) for line in long], [4096, 4097, 50_042, 2**24, 45])
+        for more, error in (0, False), (1, True):
+            answers = [json.loads(line) for line in serve(folder, [*long[:3], more * " " + long[3], long[4]]).out.splitlines()]
+            tap.equal(["error" in answer for answer in answers], [False] * 3 + [error, False], "the longest line")
 
 
 def test_a_misspelt_name_is_no_angle_of_zero():
@@ -211,25 +212,32 @@ def test_a_misspelt_name_is_no_angle_of_zero():
     program.need_device()
     place = '{"x_m": 0, "y_m": 0, "z_m": 7, %s}'
     wrong = {"yaw": "yaw_deg", "pitch_dg": "pitch_deg", "Yaw_deg": "yaw_deg", "time": "time_s", "x": "x_m", "yaw_rad": "yaw_deg",
-             "heading_deg": "yaw_deg", "Heading": "yaw_deg"}
-    angles = ["elevation_deg", "elevation_rad"]
+             "heading_deg": "yaw_deg", "Heading": "yaw_deg", "hdg": "yaw_deg", "psi_rad": "yaw_deg", "theta": "pitch_deg",
+             "phi": "roll_deg", "\\u0079aw": "yaw_deg"}
+    angles = ["elevation_deg", "elevation_rad", "qx", "qw"]
+    attitudes = ['"orientation": {"x": 0, "y": 0, "z": 0.7, "w": 0.7}', '"attitude": [0, 0, 90]', '"rpy": [0, 0, 1.57]']
     others = ["id", "seq", "mode", "frame", "speed_mps", "lat", "cm", "altitude_m", "depth", "x_error_m", ""]
     wholes = ['"heading_deg": 90, "yaw_deg": 30', '"roll_deg": 0, "pitch_deg": 0, "yaw_deg": 0, "lat_deg": 54.5, "lon_deg": 7',
               '"header": {"stamp": {"sec": 7}, "frame_id": "map"}, "time": "2026-11-30T02:21Z", "yaw": {"rate": [0.1]}',
-              '"time_ms": 5, "time_s": 6']
+              '"time_ms": 5, "time_s": 6', '"roll_deg": 0, "pitch_deg": 0, "yaw_deg": 0, "orientation": {"w": 1}, "qx": 0',
+              '"orientation": null', '"\\u0079\\u0061w_deg": 90', '"ranges": [%s]' % ", ".join(300 * ["12.3456789012"])]
     with Folder() as folder:
-        lines = [place % f'"{name}": 30' for name in [*wrong, *angles, *others]] + [place % rest for rest in wholes]
-        lines += ["x_m,y_m,z_m,rol_deg", "x_m,y_m,z_m,heading_deg", "x_m,y_m,z_m,depth,note", '{"x_m": 0, "y_m": 0, "depth_m": 7}',
+        lines = [place % f'"{name}": 30' for name in [*wrong, *angles, *others]]
+        lines += [place % rest for rest in attitudes + wholes]
+        lines += ["x_m,y_m,z_m,rol_deg", "x_m,y_m,z_m,heading_deg", "x_m,y_m,z_m,depth,note", "x_m,y_m,z_m,qx,qy,qz,qw", '{"x_m": 0, "y_m": 0, "depth_m": 7}',
                   '{"note": 5}']
         answers = [json.loads(line) for line in serve(folder, lines).out.splitlines()]
         last = [("rol_deg", "roll_deg"), ("heading_deg", "yaw_deg"), ("depth_m", "z_m")]
         names = TRACK.strip()
-        told = [f"unknown name '{name}'; did you mean '{meant}'?" for name, meant in wrong.items()]
-        told += [f"unknown name '{name}'; the names are {names}" for name in angles]
+        told = [f"unknown name '{name}'; did you mean '{meant}'?".replace("\\u0079", "y") for name, meant in wrong.items()]
+        told += [f"unknown name '{name}'; the names are {names}" for name in [*angles, "orientation", "attitude", "rpy"]]
         told += [f"unknown name '{name}'; did you mean '{meant}'?" for name, meant in last]
+        told.insert(-1, f"unknown name 'qx'; the names are {names}")
         told += [f"none of the names is known; they are {names}"]
         tap.equal([answer["error"] for answer in answers if "error" in answer], told)
         tap.equal(len(answers), len(told) + len(others) + len(wholes))
+        escaped = [answer for answer in answers if answer.get("yaw_deg") == 90]
+        tap.equal(len(escaped), 1, "names with escapes")
 
 
 def test_lines_without_a_time_go_on_from_the_last_that_had_one():
