@@ -128,6 +128,19 @@ static void report_strange(columns_reader *r, const field *first) {
     }
 }
 
+/* What other tables have between columns, where the only field ALL holds several; NULL: nothing. */
+static const char *separator_of(const columns_reader *r, const field *all) {
+    field first = *all;
+    double value;
+    first.length = strcspn(all->text, "; \t\"\r");
+    if (memchr(all->text, ';', all->length)) {
+        return "semicolons";
+    }
+    bool is_table = first.length < all->length &&
+                    (is_wanted(r, &first) || !asdic_number_parse(first.text, first.length, &value));
+    return !is_table ? NULL : memchr(all->text, '\t', all->length) ? "tabs" : "blanks";
+}
+
 static void read_header(columns_reader *r, const char *line) {
     field fields[FIELDS_MOST];
     bool any = false;
@@ -142,9 +155,10 @@ static void read_header(columns_reader *r, const char *line) {
                            r->field_count, FIELDS_MOST);
         return;
     }
-    if (r->field_count == 1 && strchr(line, ';')) {
+    if (r->field_count == 1 && separator_of(r, fields)) {
         asdic_problems_add(r->problems, r->line, 1,
-                           "columns are separated by semicolons; they must be by commas");
+                           "columns are separated by %s; they must be by commas",
+                           separator_of(r, fields));
         return;
     }
     for (size_t i = 0; i < r->field_count; i++) {

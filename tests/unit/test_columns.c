@@ -89,6 +89,12 @@ static void errors_name_file_and_line(void **state) {
         {"", "1:1: the file is empty; its header is deg,db\n"},
         {"deg,db\n", "2:1: no rows below the header\n"},
         {"deg;db\n5;-40\n", "1:1: columns are separated by semicolons; they must be by commas\n"},
+        {"deg\tdb\n5\t-40\n", "1:1: columns are separated by tabs; they must be by commas\n"},
+        {" deg  db\n5 -40\n", "1:1: columns are separated by blanks; they must be by commas\n"},
+        {"5 -40\n", "1:1: columns are separated by blanks; they must be by commas\n"},
+        {"a b\n",
+         "1:1: none of the columns is known; the header is deg,db in any order, measured in "
+         "spring\n"},
         {"deg,db\r5,-40\r", "1:1: lines end in carriage returns alone; they must in line feeds\n"},
         {"deg,db\n5,-40,5\n6\n", "2:1: 3 fields, but the header has 2\n"
                                  "3:1: 1 field, but the header has 2\n"},
