@@ -71,7 +71,7 @@ asdic_status check_mesh(cli *c, const char *path, bool is_grid, json *j) {
     }
     if (j) {
         print_json(path, is_grid, &info, j);
-    } else {
+    } else if (!cli_quiet(c)) {
         print_text(path, is_grid, &info);
     }
     asdic_mesh_destroy(&mesh);

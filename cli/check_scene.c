@@ -179,7 +179,7 @@ asdic_status check_scene(cli *c, const char *path, json *j) {
     scene_numbers numbers = find_numbers(mission);
     if (j) {
         print_json(path, mission, &numbers, j);
-    } else {
+    } else if (!cli_quiet(c)) {
         print_text(path, mission, &numbers);
         cli_remark(c, path, mission, false);
         cli_remark_csv(c, path, mission);

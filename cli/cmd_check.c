@@ -105,6 +105,7 @@ const cli_command cli_check_command = {
                "every error is named with line, column, key, value, limit and remedy. Meshes "
                "(.obj, .ply, .stl, .off) and grids (.asc) are described in their own axes and "
                "units. All files are looked at; the exit code is 3 when any of them is bad. With "
+               "--quiet nothing else is told. With "
                "--track the way of one scene's vehicle is written instead, as a track that "
                "'mission: {track: FILE}' reads.",
     .examples = "asdic check scene.yaml wreck.ply depths.asc\n"

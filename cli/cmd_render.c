@@ -57,6 +57,16 @@ static bool is_vector(const char *path, asdic_picture_format format) {
     return format == ASDIC_PICTURE_BY_NAME ? says_so : format != ASDIC_PICTURE_PNG;
 }
 
+/* Whether the name of PATH promises another format than FORMATS[FORMAT]. */
+static bool contradicts(const char *path, const char *const *formats, int format) {
+    const char *ending = path ? path + cli_stem(path) : "";
+    bool found = false;
+    for (int i = ASDIC_PICTURE_PNG; *ending && formats[i]; i++) {
+        found |= i != format && strcasecmp(ending + 1, formats[i]) == 0;
+    }
+    return found && format != ASDIC_PICTURE_BY_NAME;
+}
+
 /* Whether the mosaic MOSAIC goes with the other options. */
 static bool check_mosaic(cli *c, const char *mosaic) {
     static const char *const others[] = {"output", "video",  "images", "beam",
@@ -132,6 +142,10 @@ static int run(cli *c) {
     }
     if (options.format == ASDIC_PICTURE_BY_NAME && !cli_is_picture(c, "output")) {
         return CLI_USAGE;
+    }
+    if (contradicts(options.path, formats, format)) {
+        return cli_usage(c, "--format %s writes no such file as --output '%s'", formats[format],
+                         options.path);
     }
     if (options.raw && options.path && is_vector(options.path, options.format)) {
         return cli_usage(c, "--raw pictures are PNG files");

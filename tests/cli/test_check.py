@@ -135,6 +135,9 @@ def test_all_files_are_looked_at():
         tap.equal(done.code, 3)
         tap.equal([entry["valid"] for entry in json.loads(done.out)], [False, True, False, True])
         tap.contains(done.err, "error: missing.yaml: cannot open: No such file or directory\n")
+        quiet = asdic("check", "a.yaml", "b.obj", "c.yaml", "-q", cwd=at).check(code=3, out="").err
+        tap.equal((quiet.count("a.yaml"), "b.obj" in quiet, "c.yaml" in quiet), (quiet.count("error:"), False, False), quiet)
+        tap.equal(len(asdic("check", "c.yaml", "-q", "--json", cwd=at).check(code=0).out) > 100, True, "what is asked for in JSON")
 
 
 def test_mesh_is_described():

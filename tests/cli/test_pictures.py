@@ -161,6 +161,11 @@ def test_one_picture_goes_to_a_file_or_standard_output():
             os.makedirs(folder / "w.v2", exist_ok=True)
             asdic(*waterfall, "-o", folder / name, *options).check(code=0, out="")
             tap.equal(data(folder, ".", name)[: len(begins)], begins, name)
+        for name, form in ("x.png", "pdf"), ("x.PDF", "svg"), ("x.svg", "png"):
+            tap.contains(asdic(*waterfall, "-o", folder / name, "--format", form).check(code=2, out="").err,
+                         f"--format {form} writes no such file as --output")
+            tap.equal(os.path.exists(folder / name), False, name)
+        asdic(*waterfall, "-o", folder / "x.pdf", "--format", "pdf").check(code=0, out="")
         tap.contains(asdic(*waterfall, "--raw", "-o", folder / "r.PDF").check(code=2, out="").err, "PNG")
         for vector in (("-o", folder / "raw.pdf"), ("-o", folder / "raw.svg"), ("-o", "-", "--format", "svg")):
             tap.contains(asdic("render", run, "--raw", "--beam", "down", *vector).check(code=2, out="").err, "PNG")
