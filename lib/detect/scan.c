@@ -277,5 +277,6 @@ double asdic_scan_cfar_pfa(asdic_scan *scan, const double *intensity_lin, size_t
 }
 
 asdic_scan_result asdic_scan_get(const asdic_scan *scan) {
-    return (asdic_scan_result){scan->background_lin, scan->threshold_lin, scan->llr};
+    return scan ? (asdic_scan_result){scan->background_lin, scan->threshold_lin, scan->llr}
+                : (asdic_scan_result){0};
 }

@@ -242,8 +242,10 @@ asdic_status asdic_tracker_update(asdic_tracker *t, double time_s, const asdic_p
 }
 
 const asdic_track_state *asdic_tracker_get(const asdic_tracker *tracker, size_t *count) {
-    *count = tracker->count;
-    return tracker->states;
+    if (count) {
+        *count = tracker ? tracker->count : 0;
+    }
+    return tracker ? tracker->states : NULL;
 }
 
 /* Ways to go on that are less likely are left out, more of them where there are very many; a

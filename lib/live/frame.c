@@ -258,6 +258,9 @@ asdic_status asdic_view_draw(asdic_view *view) {
 }
 
 asdic_view_image asdic_view_get_frame(const asdic_view *view) {
+    if (!view) {
+        return (asdic_view_image){0};
+    }
     cairo_surface_t *surface = view->canvas.surface;
     return (asdic_view_image){
         .width = view->options.width,

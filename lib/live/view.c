@@ -146,16 +146,19 @@ static asdic_status put_aside(asdic_view *view) {
 }
 
 asdic_status asdic_view_stop(asdic_view *view) {
-    asdic_status status = view ? put_aside(view) : ASDIC_OK;
-    size_t pings = 0, count = view ? view->ended_count : 0;
-    asdic_context_hold_interrupt(view ? view->ctx : NULL, true); /* recordings are written whole */
+    if (!view) {
+        return ASDIC_ERROR_ARGUMENT;
+    }
+    asdic_status status = put_aside(view);
+    size_t pings = 0, count = view->ended_count;
+    asdic_context_hold_interrupt(view->ctx, true); /* recordings are written whole */
     for (size_t i = 0; i < count; i++) {
         size_t here = asdic_recording_pings(view->ended[i]);
         asdic_status ended = asdic_recording_end(&view->ended[i]);
         pings += ended ? 0 : here;
         status = status ? status : ended;
     }
-    asdic_context_hold_interrupt(view ? view->ctx : NULL, false);
+    asdic_context_hold_interrupt(view->ctx, false);
     if (count > 0) {
         asdic_view_say(view, "recorded %zu ping%s to %s", pings, pings == 1 ? "" : "s",
                        view->options.folder);
@@ -413,18 +416,21 @@ void asdic_view_destroy(asdic_view **pointer) {
 }
 
 bool asdic_view_is_over(const asdic_view *view) {
-    return view->is_quit || (view->is_flown && !view->is_manual);
+    return !view || view->is_quit || (view->is_flown && !view->is_manual);
 }
 
 bool asdic_view_is_paused(const asdic_view *view) {
-    return view->is_paused;
+    return view && view->is_paused;
 }
 
 const char *asdic_view_title(const asdic_view *view) {
-    return view->title;
+    return view ? view->title : NULL;
 }
 
 asdic_view_clock asdic_view_get_clock(const asdic_view *view) {
+    if (!view) {
+        return (asdic_view_clock){0};
+    }
     return (asdic_view_clock){.pings = view->steps,
                               .rays = asdic_governor_rays(&view->governor),
                               .time_s = view->time_s,

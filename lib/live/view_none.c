@@ -19,14 +19,14 @@ asdic_status asdic_view_create(asdic_context *ctx, asdic_mission *mission, asdic
                       "the view needs cairo, which this build of asdic is without");
 }
 
-/* No view exists in this build: the functions below are never called. */
+/* No view exists in this build: the functions below get NULL. */
 void asdic_view_destroy(asdic_view **view) {
     (void)view;
 }
 
 asdic_status asdic_view_step(asdic_view *view) {
     (void)view;
-    return ASDIC_ERROR_UNSUPPORTED;
+    return ASDIC_ERROR_ARGUMENT;
 }
 
 bool asdic_view_press(asdic_view *view, const char *key) {
@@ -53,7 +53,7 @@ bool asdic_view_is_paused(const asdic_view *view) {
 
 asdic_status asdic_view_stop(asdic_view *view) {
     (void)view;
-    return ASDIC_OK;
+    return ASDIC_ERROR_ARGUMENT;
 }
 
 asdic_view_image asdic_view_get_frame(const asdic_view *view) {
@@ -63,16 +63,16 @@ asdic_view_image asdic_view_get_frame(const asdic_view *view) {
 
 const char *asdic_view_title(const asdic_view *view) {
     (void)view;
-    return "";
+    return NULL;
 }
 
 asdic_status asdic_view_save(const asdic_view *view, const char *path) {
     (void)view;
     (void)path;
-    return ASDIC_ERROR_UNSUPPORTED;
+    return ASDIC_ERROR_ARGUMENT;
 }
 
 asdic_view_clock asdic_view_get_clock(const asdic_view *view) {
     (void)view;
-    return (asdic_view_clock){.stretch = 1.0};
+    return (asdic_view_clock){0};
 }

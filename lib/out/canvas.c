@@ -97,7 +97,7 @@ static asdic_status save_png(asdic_canvas *c, const char *path, const char *cons
 /* What PNG has text chunks for. */
 static void describe_pdf(asdic_canvas *c, const char *const *texts) {
     char words[1024] = "";
-    for (size_t i = 0; texts && texts[i]; i += 2) {
+    for (size_t i = 0; texts && texts[i] && texts[i + 1]; i += 2) {
         size_t used = strlen(words);
         if (strcmp(texts[i], "Title") == 0) {
             cairo_pdf_surface_set_metadata(c->surface, CAIRO_PDF_METADATA_TITLE, texts[i + 1]);

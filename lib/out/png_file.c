@@ -58,7 +58,7 @@ static bool is_ascii(const char *text) {
 /* tEXt is Latin-1 by definition; anything else goes into iTXt. */
 static void set_texts(png_job *job, const char *const *texts) {
     size_t count = 0;
-    while (texts && texts[2 * count]) {
+    while (texts && texts[2 * count] && texts[2 * count + 1]) {
         count++;
     }
     if (count == 0) {

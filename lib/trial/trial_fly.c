@@ -17,6 +17,7 @@
 #include "base/try.h"
 #include "base/words.h"
 #include "mission/run/run_folder.h"
+#include "mission/run/run_workers.h"
 #include "mission/run/team_message.h"
 #include "mission/scene_inputs.h"
 #include "out/file.h"
@@ -613,7 +614,7 @@ asdic_status asdic_trial_fly(asdic_context *ctx, asdic_device **devices, size_t 
     TRY(check(ctx, &o));
     fleet f = {.ctx = ctx, .options = &o, .whole = &o, .lock = PTHREAD_MUTEX_INITIALIZER};
     asdic_status status = describe(ctx, &o, &facts, &header, &is_ideal, f.scene_hash);
-    if (!status && !is_ideal && device_count == 0) {
+    if (!status && !is_ideal && !asdic_devices_are_there(devices, device_count)) {
         status = asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "a trial that pings needs a device");
     }
     f.devices = is_ideal ? NULL : devices;

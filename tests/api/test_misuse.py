@@ -20,10 +20,7 @@ LIBRARY = pathlib.Path(os.environ["ASDIC_LIBRARY"])
 
 # What may be given nothing and still be right.
 FINE = {"asdic_context_create": {"huge"}, "asdic_device_list": {"huge"},
-        "asdic_scene_create": {"huge"},
-        # what is not there has ended
-        "asdic_team_end": {"nothing", "context", "nan", "huge"},
-        "asdic_view_stop": {"nothing", "context", "nan", "huge"}}
+        "asdic_scene_create": {"huge"}}
 
 ARGUMENT = 1  # ASDIC_ERROR_ARGUMENT
 # What may alone be NULL. The handles that are given with it are none, and it goes on to the first of these.
@@ -98,12 +95,14 @@ int main(void) {
 # Of the functions without a status, those that ask one of these; the others are arithmetic on
 # what the caller fills in, many times a ping.
 ASKS = re.compile(r"asdic_((mission|scene|mesh|run|environment|sonar|context|colormap|dataset|device|law|simulator"
-                  r"|trial)_|\w+_destroy$)")
+                  r"|trial)_|(scan|tracker)_get$|view_(is_over|is_paused|get_\w+|title|press)$|\w+_destroy$)")
 
-TOLD = re.compile(r"asdic_(mission|scene|mesh|run|colormap|dataset|device|law|simulator|trial)_")
+TOLD = re.compile(r"asdic_(mission|scene|mesh|run|colormap|dataset|device|law|simulator|trial)_|asdic_(scan|tracker|view)_(get|is|title|press)")
 # What has no zeros to tell of nothing: its header says INFINITY or NAN.
 NO_ZEROS = {"asdic_mission_bottom_m", "asdic_mission_uncertainty", "asdic_run_get_errors",
-            "asdic_scene_altitude_m"}
+            "asdic_scene_altitude_m",
+            # a loop ends
+            "asdic_view_is_over"}
 
 
 def prototypes():

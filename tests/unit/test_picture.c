@@ -164,7 +164,8 @@ static void gain_is_for_display_only(void **state) {
 
 static void text_chunks_are_there(void **state) {
     (void)state;
-    const char *const texts[] = {"Software", "asdic", "Scene", "Gr\u00fc\u00dfe, 1 \u00b5Pa", NULL};
+    const char *const texts[] = {"Software", "asdic", "Scene", "Gr\u00fc\u00dfe, 1 \u00b5Pa",
+                                 "Key",      NULL,    NULL};
     asdic_picture_options options = asdic_picture_options_default();
     options.texts = texts;
     assert_int_equal(asdic_picture_waterfall(ctx, file_in_folder("w.png"), &ramp, &options),

@@ -159,6 +159,7 @@ static void what_cannot_be_meant_is_refused(void **state) {
         {{.first = 2, .count = SIZE_MAX - 1}, "go beyond the mission's 150 pings"},
         {{.first = PINGS, .count = SIZE_MAX},
          "ping 150 asked for, but the mission has pings 0..149"},
+        {{.first = 3}, "a run of no pings from ping 3 on; SIZE_MAX asks for all"},
         {{.count = SIZE_MAX, .force = true, .resume = true}, "give one of them"},
     };
     fixture f;
@@ -168,6 +169,38 @@ static void what_cannot_be_meant_is_refused(void **state) {
         assert_contains(asdic_context_error(f.ctx), rows[i].says);
         assert_int_equal(f.devices[0].pings, 0);
     }
+    end(&f);
+}
+
+static void devices_are_all_there(void **state) {
+    (void)state;
+    fixture f;
+    begin(&f);
+    f.pointers[1] = NULL;
+    assert_int_equal(run(&f, 3, asdic_run_options_default(), "gap"), ASDIC_ERROR_ARGUMENT);
+    assert_contains(asdic_context_error(f.ctx), "a mission, options and a device are needed");
+    assert_int_not_equal(access(in_folder("gap"), F_OK), 0);
+    end(&f);
+}
+
+static void remove_folder(void *user, const asdic_run_progress *progress) {
+    char command[256];
+    snprintf(command, sizeof command, "rm -r %s", (const char *)user);
+    if (progress->pings_done == 20) {
+        assert_int_equal(system(command), 0);
+    }
+}
+
+static void nothing_is_kept_in_a_folder_that_is_gone(void **state) {
+    (void)state;
+    fixture f;
+    begin(&f);
+    asdic_run_options options = asdic_run_options_default();
+    options.folder = options.user = in_folder("gone");
+    options.progress = remove_folder;
+    assert_int_equal(asdic_mission_run(f.ctx, f.mission, f.pointers, 1, &options), ASDIC_ERROR_IO);
+    assert_contains(asdic_context_error(f.ctx), "has been removed, and with it its pings");
+    assert_null(strstr(asdic_context_error(f.ctx), "--resume"));
     end(&f);
 }
 
@@ -482,6 +515,8 @@ int main(int argc, char **argv) {
         cmocka_unit_test(losing_all_devices_keeps_what_was_done),
         cmocka_unit_test(no_device_leaves_no_folder),
         cmocka_unit_test(what_cannot_be_meant_is_refused),
+        cmocka_unit_test(devices_are_all_there),
+        cmocka_unit_test(nothing_is_kept_in_a_folder_that_is_gone),
         cmocka_unit_test(no_background_of_no_kind),
         cmocka_unit_test(what_the_text_does_not_say_is_not_run),
         cmocka_unit_test(parts_join_to_the_whole),

@@ -117,6 +117,7 @@ static void room_is_for_what_is_to_come(void **state) {
         assert_int_equal(unlink(path), 0);
     }
     resume.resume = false;
+    assert_true(asdic_mission_run_bytes(m[1], SIZE_MAX) == needed);
     disk_bytes = needed;
     assert_int_equal(asdic_run_check_room(f.ctx, m[1], &resume), ASDIC_OK);
     /* Of all pings, of some and of those that are left; what the sentence says of them. */

@@ -13,8 +13,9 @@
  * takes an object, it is the caller's to destroy, and *OUT is NULL on failure.
  *
  * NULL where an object is needed: what returns a status answers ASDIC_ERROR_ARGUMENT; what asks a
- * mission, scene, mesh or run something gets nothing (zeros, NULL). A NULL context only loses the
- * sentence.
+ * mission, scene, mesh, run, scan, tracker or view something gets nothing (zeros, NULL). Arithmetic
+ * on what the caller fills in, as asdic_beam_axis, needs all that it is given. A NULL context only
+ * loses the sentence.
  */
 #ifndef ASDIC_CONTEXT_H
 #define ASDIC_CONTEXT_H
@@ -51,7 +52,8 @@ ASDIC_API void asdic_context_destroy(asdic_context **ctx);
 ASDIC_API void asdic_context_set_log(asdic_context *ctx, asdic_log_level level, asdic_log_fn fn,
                                      void *user);
 
-/* One sentence about the last failed call: what failed, with which value, against which limit,
+/* One sentence about the last failed call with this context, or with what was created from it other
+ * than a ping: what failed, with which value, against which limit,
  * what to do. Valid until the next failing call on this context; "" when nothing has failed. */
 ASDIC_API const char *asdic_context_error(const asdic_context *ctx);
 

@@ -270,7 +270,8 @@ ASDIC_API asdic_status asdic_mission_plan(asdic_context *ctx, const asdic_missio
 /* Bytes that a run writes for every ping: pings.npy, bins.csv (about) and the formats (netCDF
  * before compression). */
 ASDIC_API uint64_t asdic_mission_ping_bytes(const asdic_mission *mission);
-/* And for a run of PINGS in all: pictures and charts are counted as they usually come out. */
+/* And for a run of PINGS in all, or of all there are where those are fewer; pictures and charts are
+ * counted as they usually come out. */
 ASDIC_API uint64_t asdic_mission_run_bytes(const asdic_mission *mission, size_t pings);
 
 /* Whether bins.csv is not written because pings are large, the scene not asking for it. */

@@ -46,7 +46,8 @@ typedef struct asdic_picture_options {
     double tvg_db_per_decade, tvg_db_per_m;
     const char *title; /* NULL: none; a second line is a subtitle */
     const char *note;  /* small line below the picture; NULL: none */
-    /* PNG text chunks, in a PDF title and keywords: key, value, ..., NULL; may be NULL */
+    /* PNG text chunks, in a PDF title and keywords: key, value, ..., NULL; may be NULL.
+     * A key without a value ends them. */
     const char *const *texts;
     asdic_picture_format format;
 } asdic_picture_options;

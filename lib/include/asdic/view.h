@@ -53,8 +53,8 @@ ASDIC_API bool asdic_view_press(asdic_view *view, const char *key);
 /* The keys one after the other, and what they do; NULL at the end. */
 ASDIC_API const char *asdic_view_key_name(size_t index, const char **does);
 
-/* The mission has been flown to its end, and nobody steers; or the user asked to quit. A vehicle at
- * rest never ends. */
+/* The mission has been flown to its end, and nobody steers; or the user asked to quit; or VIEW is
+ * NULL. A vehicle at rest never ends. */
 ASDIC_API bool asdic_view_is_over(const asdic_view *view);
 ASDIC_API bool asdic_view_is_paused(const asdic_view *view);
 

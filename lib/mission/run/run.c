@@ -13,6 +13,7 @@
 #include "team_worker.h"
 
 #include <string.h>
+#include <unistd.h>
 
 asdic_run_options asdic_run_options_default(void) {
     return (asdic_run_options){.count = SIZE_MAX};
@@ -136,6 +137,10 @@ static asdic_status take_all(asdic_run_job *job) {
 
 /* Adds to the context's sentence what is kept and how to continue. */
 static asdic_status explain(asdic_run_job *job, asdic_status status) {
+    if (access(job->options->folder, F_OK) != 0) {
+        return asdic_fail(job->ctx, status, "%s; '%s' has been removed, and with it its pings",
+                          asdic_context_error(job->ctx), job->options->folder);
+    }
     return asdic_fail(job->ctx, status, "%s; %zu of %zu pings are kept in '%s', --resume goes on",
                       asdic_context_error(job->ctx), asdic_job_stored(job),
                       job->facts.pings_planned, job->options->folder);
@@ -180,14 +185,14 @@ static asdic_status run_to_stream(asdic_run_job *job) {
 
 asdic_status asdic_mission_run(asdic_context *ctx, asdic_mission *mission, asdic_device **devices,
                                size_t device_count, const asdic_run_options *options) {
-    if (!mission || !options || !devices || device_count == 0) {
-        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
-                          "asdic_mission_run: a mission, options and a device are needed");
-    }
-    if (mission->is_varied || mission->is_chosen) {
+    if (mission && (mission->is_varied || mission->is_chosen)) {
         return asdic_fail(ctx, ASDIC_ERROR_UNSUPPORTED,
                           "a mission with settings or choices that its text does not say cannot be "
                           "run; write them into a scene file");
+    }
+    if (!mission || !options || !asdic_devices_are_there(devices, device_count)) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                          "asdic_mission_run: a mission, options and a device are needed");
     }
     asdic_run_job job = {.ctx = ctx,
                          .mission = mission,

@@ -28,7 +28,11 @@ static asdic_status check_range(asdic_run_job *job) {
     if (!o->folder || !o->folder[0]) {
         return asdic_fail(job->ctx, ASDIC_ERROR_ARGUMENT, "a run needs a folder to write to");
     }
-    if (o->first >= pings || o->count == 0) {
+    if (o->count == 0) {
+        return asdic_fail(job->ctx, ASDIC_ERROR_ARGUMENT,
+                          "a run of no pings from ping %zu on; SIZE_MAX asks for all", o->first);
+    }
+    if (o->first >= pings) {
         return asdic_fail(job->ctx, ASDIC_ERROR_ARGUMENT,
                           "no ping to run: ping %zu asked for, but the mission has pings 0..%zu",
                           o->first, pings - 1);

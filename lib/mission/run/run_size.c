@@ -144,6 +144,8 @@ static uint64_t fixed_bytes(const asdic_mission *m, size_t pings) {
 }
 
 uint64_t asdic_mission_run_bytes(const asdic_mission *mission, size_t pings) {
+    size_t all = asdic_mission_ping_count(mission);
+    pings = pings < all ? pings : all;
     return mission ? pings * asdic_mission_ping_bytes(mission) + fixed_bytes(mission, pings) : 0;
 }
 

@@ -173,6 +173,14 @@ static asdic_status run_workers(asdic_queue *q, const asdic_work *work, worker *
                : q->failure;
 }
 
+bool asdic_devices_are_there(asdic_device *const *devices, size_t count) {
+    bool are_there = devices && count > 0;
+    for (size_t i = 0; are_there && i < count; i++) {
+        are_there = devices[i] != NULL;
+    }
+    return are_there;
+}
+
 asdic_status asdic_workers_run(asdic_context *ctx, const asdic_work *work,
                                asdic_work_result *result) {
     const asdic_sonar *sonar = asdic_mission_sonar(work->mission);

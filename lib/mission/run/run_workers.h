@@ -37,4 +37,7 @@ typedef struct asdic_work_result {
 asdic_status asdic_workers_run(asdic_context *ctx, const asdic_work *work,
                                asdic_work_result *result);
 
+/* Whether DEVICES are COUNT devices, at least one, and none of them NULL. */
+bool asdic_devices_are_there(asdic_device *const *devices, size_t count);
+
 #endif

@@ -132,7 +132,10 @@ static asdic_status excuse(asdic_context *ctx, const asdic_team *team) {
 }
 
 asdic_status asdic_team_end(asdic_context *ctx, asdic_team *team) {
-    if (!team || team->is_over) {
+    if (!team) {
+        return asdic_fail_null(ctx, __func__);
+    }
+    if (team->is_over) {
         return ASDIC_OK;
     }
     team->is_over = true;
