@@ -30,6 +30,7 @@ typedef struct mission_builder {
     const asdic_scene_text *memory; /* where the scene is; NULL: in a file */
     asdic_mission *donor;           /* gives its geometry where ours is the same; NULL: none */
     bool leaves_positions;          /* not checked: where the vehicle is matters later */
+    asdic_flight_miss missed;       /* of the waypoints */
 } mission_builder;
 
 /* Each step adds to the mission and reports what is wrong with the files it opens to PROBLEMS. Its

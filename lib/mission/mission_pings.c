@@ -83,7 +83,7 @@ static asdic_status fly(mission_builder *b) {
     }
     memcpy(b->mission->points_m, w->points.items, bytes);
     b->mission->flight.points_m = b->mission->points_m;
-    return asdic_flight_fly(b->ctx, &flight, &b->mission->track);
+    return asdic_flight_fly(b->ctx, &flight, &b->mission->track, &b->missed);
 }
 
 /* The track in the file NAME, which NODE gives; *OUT stays NULL when something is wrong with it. */

@@ -244,16 +244,19 @@ static bool is_buried(const asdic_mission *m, const asdic_mission_object *object
     return true;
 }
 
-/* At every ping that is tested. */
-static bool is_always_buried(const asdic_mission *m, const asdic_mission_object *object) {
+/* At every ping that is tested; else *SUNK is the first that it is after one at which it is not, SIZE_MAX: none. */
+static bool is_always_buried(const asdic_mission *m, const asdic_mission_object *object,
+                             size_t *sunk) {
     size_t step = m->ping_count / MAX_TESTED_PLACES + 1, count = object->moves ? m->ping_count : 1;
-    for (size_t i = 0; i < count; i += step) {
+    bool always = true;
+    *sunk = SIZE_MAX;
+    for (size_t i = 0; i < count && *sunk == SIZE_MAX; i += step) {
         asdic_mission_object there = placed(m, object, i);
-        if (!is_buried(m, &there)) {
-            return false;
-        }
+        bool now = is_buried(m, &there);
+        *sunk = now && !always ? i : SIZE_MAX;
+        always &= now;
     }
-    return true;
+    return always;
 }
 
 static double turn(const float a[3], const float b[3], double x, double y) {
@@ -326,17 +329,21 @@ static void remark_on_objects(mission_builder *b) {
         const asdic_mission_object *object = &m->objects[i];
         char text[160];
         double away_m = nearest_m(m, object, range_m);
-        size_t inside = first_inside(m, object);
+        size_t inside = first_inside(m, object), sunk;
+        bool always = is_always_buried(m, object, &sunk);
         if (object->max_m.z < 0.0) {
             remark(b, i - first, "lies above the sea surface; z is positive down");
         } else if (away_m > range_m) {
             snprintf(text, sizeof text, "is beyond the maximum range: %.4g m away, heard to %.4g m",
                      away_m, range_m);
             remark(b, i - first, text);
-        } else if (is_always_buried(m, object)) {
+        } else if (always) {
             remark(b, i - first, "lies wholly below the bottom; z is positive down");
         } else if (inside != SIZE_MAX) {
             snprintf(text, sizeof text, "has the sonar inside it at ping %zu", inside);
+            remark(b, i - first, text);
+        } else if (sunk != SIZE_MAX) {
+            snprintf(text, sizeof text, "sinks wholly below the bottom by ping %zu", sunk);
             remark(b, i - first, text);
         }
     }
@@ -380,6 +387,20 @@ static void remark_on_gap(mission_builder *b) {
                   "%s:%u:%u: warning: the track has no point for %.3g s after %s s; the vehicle "
                   "goes straight on meanwhile  [mission.track]",
                   b->problems->name, node->line, node->column, gap_s, time_text(from, from_s));
+    }
+}
+
+/* A vehicle turns and dives only so fast. */
+static void remark_on_waypoints(mission_builder *b) {
+    const asdic_flight_miss *m = &b->missed;
+    const asdic_yaml_node *node = b->file->mission.waypoints.node;
+    if (m->point > 0) {
+        asdic_log(b->ctx, ASDIC_LOG_WARNING,
+                  "%s:%u:%u: warning: the flight does not reach point %zu: it passes %.2g m aside "
+                  "and %.2g m %s it; fly slower, or give points farther apart  "
+                  "[mission.waypoints.points_m[%zu]]",
+                  b->problems->name, node->line, node->column, m->point, m->aside_m,
+                  fabs(m->deeper_m), m->deeper_m > 0.0 ? "below" : "above", m->point);
     }
 }
 
@@ -453,6 +474,7 @@ void asdic_mission_check_positions(mission_builder *b) {
         remark_on_reach(b);
         remark_on_objects(b);
         remark_on_gap(b);
+        remark_on_waypoints(b);
         remark_on_motions(b);
         remark_on_facets(b);
     }

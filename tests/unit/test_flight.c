@@ -33,11 +33,13 @@ static void set_current(asdic_flight *flight, double speed_mps, double towards_r
     flight->current_mps[1] = speed_mps * sin(towards_rad);
 }
 
+static asdic_flight_miss missed; /* by the last flight */
+
 static asdic_track *fly(asdic_flight flight) {
     asdic_context *ctx = NULL;
     asdic_track *track = NULL;
     assert_int_equal(asdic_context_create(&ctx), ASDIC_OK);
-    asdic_status status = asdic_flight_fly(ctx, &flight, &track);
+    asdic_status status = asdic_flight_fly(ctx, &flight, &track, &missed);
     if (status != ASDIC_OK) {
         print_error("%s\n", asdic_context_error(ctx));
     }
@@ -105,6 +107,50 @@ static void box_is_flown_close_to_its_corners(void **state) {
         assert_true(nearest_m(track, middles_m + 2 * i) < 0.5);
     }
     assert_close_relative(asdic_track_end_s(track), 320 / 1.5, 0.1);
+    asdic_track_destroy(&track);
+}
+
+static double deep_m(const void *user, double north_m, double east_m) {
+    (void)user;
+    (void)east_m;
+    return north_m < 100 ? 20 : 40;
+}
+
+/* What the dive rate leaves of a way; what a corner takes at speed; the worst of several; a step of the bottom. */
+static void what_is_not_reached_is_told(void **state) {
+    (void)state;
+    const double steep_m[] = {0, 0, 5, 20, 0, 20},
+                 square_m[] = {0, 0, 5, 50, 0, 5, 50, 50, 5, 0, 50, 5, 0, 0, 5};
+    const double several_m[] = {0, 0, 5, 40, 0, 5, 60, 0, 12, 80, 0, 0, 200, 0, 0};
+    asdic_track *track = fly(nomoto(steep_m, 2, 1.5, 5.0, 1.0, 0.3));
+    double along_s =
+        20 / sqrt(1.5 * 1.5 - 0.3 * 0.3); /* at the full rate, which takes a while to come */
+    assert_int_equal(missed.point, 1);
+    assert_close(missed.aside_m, 0, 0.2);
+    assert_true(missed.deeper_m < -(15 - 0.3 * along_s) &&
+                missed.deeper_m > -(15 - 0.3 * along_s) - 2 * 0.3);
+    asdic_track_destroy(&track);
+    track = fly(nomoto(square_m, 5, 4.0, 6.0, 1.0, 0.3));
+    const track_point *last = &track->points[track->count - 1];
+    assert_int_equal(missed.point, 4);
+    assert_close(missed.aside_m, hypot(last->x_m, last->y_m), 0.2);
+    assert_close(missed.deeper_m, 0, 1e-6);
+    asdic_track_destroy(&track);
+    track = fly(nomoto(square_m, 5, 1.5, 5.0, 0.5, 0.3));
+    assert_int_equal(missed.point, 0);
+    asdic_track_destroy(&track);
+    track = fly(nomoto(several_m, 5, 1.5, 5.0, 1.0, 0.3));
+    assert_int_equal(missed.point, 3); /* 5 m to 9 m of 12, then to 5 m of 0 */
+    assert_true(missed.deeper_m > 4 && missed.deeper_m < 6);
+    asdic_track_destroy(&track);
+    asdic_flight above = nomoto(steep_m, 2, 1.5, 5.0, 1.0, 0.3);
+    const double step_m[] = {0, 0, 5, 110, 0, 5};
+    above.points_m = step_m;
+    above.altitude_m = 5;
+    above.bottom_m = deep_m;
+    track = fly(above);
+    assert_int_equal(missed.point, 1); /* 15 m, then 35 m deep */
+    assert_true(missed.deeper_m < -17 && missed.deeper_m > -18.5);
     asdic_track_destroy(&track);
 }
 
@@ -546,13 +592,13 @@ static void a_waypoint_out_of_reach_is_named(void **state) {
     asdic_flight flight = nomoto(points_m, 2, 1.5, 5.0, 1.0, 0.3);
     set_current(&flight, 2.0, ASDIC_PI);
     assert_int_equal(asdic_context_create(&ctx), ASDIC_OK);
-    assert_int_equal(asdic_flight_fly(ctx, &flight, &track), ASDIC_ERROR_INPUT);
+    assert_int_equal(asdic_flight_fly(ctx, &flight, &track, &missed), ASDIC_ERROR_INPUT);
     assert_null(track);
     assert_contains(asdic_context_error(ctx), "waypoint 1 is not reached in ");
     assert_contains(asdic_context_error(ctx), " s; give a smaller turn radius");
     /* A straight way for which there are not enough steps. */
     flight = nomoto(points_m, 2, 0.05, 0.1, 0.1, 0.01);
-    assert_int_equal(asdic_flight_fly(ctx, &flight, &track), ASDIC_ERROR_INPUT);
+    assert_int_equal(asdic_flight_fly(ctx, &flight, &track, &missed), ASDIC_ERROR_INPUT);
     assert_null(track);
     assert_contains(asdic_context_error(ctx), ", which is as long as a flight may be; fly faster");
     asdic_context_destroy(&ctx);
@@ -562,6 +608,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(straight_line_takes_length_over_speed),
         cmocka_unit_test(box_is_flown_close_to_its_corners),
+        cmocka_unit_test(what_is_not_reached_is_told),
         cmocka_unit_test(depth_is_reached_without_overshoot),
         cmocka_unit_test(tightest_turn_has_the_radius),
         cmocka_unit_test(autopilots_answer_by_their_gains),

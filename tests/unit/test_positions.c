@@ -219,7 +219,8 @@ static void altitudes_above_the_surface_are_not_held(void **state) {
     static const struct {
         const char *bottom, *altitude_m, *said;
     } cases[] = {
-        {"{mesh: slope}", "10", ""},
+        /* 4.5 s at 0.3 m/s leave 8 m of the 9 m that the slope goes down. */
+        {"{mesh: slope}", "10", "point 1: it passes 0.16 m aside and 8 m above it; fly slower, "},
         {"{mesh: slope}", "15",
          "scene.yaml:5:85: warning: 'altitude_m' = 15 is more than the water is deep at 25 of 46 "
          "pings, from ping 0 on; the vehicle is at the surface there  "
@@ -345,6 +346,16 @@ static void moving_objects_are_looked_at_where_they_are(void **state) {
         "[objects[2]]\n"
         "scene.yaml:9:5: warning: object 'sinks' lies wholly below the bottom; z is positive down  "
         "[objects[3]]\n");
+    /* Wholly below the plane from 13 m of depth on, between pings 4 and 6; once is said of what dives twice. */
+    write_track(w, "dives.csv",
+                "0,20,0,8,0,0,0\n1,20,0,18.5,0,0,0\n1.1,20,0,8,0,0,0\n1.2,20,0,18,0,0,0\n");
+    write_track(w, "lands.csv", "0,20,0,8,0,0,0\n1.2,20,0,12.9,0,0,0\n");
+    assert_string_equal(
+        said_of(w, "bottom: {depth_m: 12}\nobjects:\n" MOVES("dives", "box: {size_m: [2, 2, 2]}")
+                       MOVES("lands", "box: {size_m: [2, 2, 2]}") "mission: {pose: {position_m: "
+                                                                  "[0, 0, 3]}, pings: 13}\n"),
+        "scene.yaml:6:5: warning: object 'dives' sinks wholly below the bottom by ping 5  "
+        "[objects[0]]\n");
     /* Along a slope to the north and east of it: turned by 90 degrees a long box comes out. */
     write_track(w, "north.csv", "0,50,0,16,0,0,0\n1,50,0,16,0,0,90\n");
     write_track(w, "east.csv", "0,50,0,16,0,0,90\n1,50,0,16,0,0,90\n");

@@ -208,7 +208,8 @@ static const asdic_key waypoints_keys[] = {
          "velocity of the water towards north and east, the same everywhere; across a line between "
          "points, or against it, less than speed_mps"},
     {"altitude_m", ASDIC_KEY_NUMBER, WAYPOINTS(altitude_m), .unit = "m", .min = 0.1, .max = 1000,
-     .doc = "height above the bottom straight below to be held, instead of the points' depths"},
+     .doc = "height above the bottom straight below to be held, instead of the points' depths, "
+            "which are flown where there is no bottom"},
 };
 static const asdic_table waypoints_table = {TABLE(waypoints_keys, file_waypoints),
                                             .doc = "points and how the vehicle manoeuvres",
@@ -222,7 +223,7 @@ static const asdic_key mission_keys[] = {
      .doc = "CSV file of time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg, relative to the scene"},
     {"waypoints", ASDIC_KEY_MAP, ASDIC_KEY_ONE_OF | ASDIC_KEY_OPTIONAL, MISSION(waypoints),
      .table = &waypoints_table,
-     .doc = "points that the vehicle passes: a list, or a map with its manoeuvring"},
+     .doc = "points that the vehicle steers along: a list, or a map with its manoeuvring"},
     {"pings", ASDIC_KEY_INTEGER, MISSION(pings), .min = 1, .max = 1e9,
      .doc = "number of pings; else one, or one turn of a scan, or as many as track or waypoints "
             "cover"},

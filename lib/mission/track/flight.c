@@ -6,6 +6,9 @@
 
 #include <stdlib.h>
 
+/* So near to a waypoint, in depth or at the end, a vehicle has reached it. */
+#define MOST_MISS_M 2.0
+
 /* Most points of a track: over five days at the usual steps of 0.1 s. */
 #define MAX_POINTS 5000000
 
@@ -136,6 +139,58 @@ static bool record(asdic_track *track, const flight_state *s, double time_s) {
     return asdic_track_append(track, &point);
 }
 
+/* The waypoints at the beginning and end of a line, and the nearest that the vehicle came to them. */
+typedef struct passage {
+    const asdic_pilot *pilot;
+    size_t index;              /* of the line */
+    asdic_flight_miss near[2]; /* point 0: none that counts */
+    double z_m[2];             /* to be flown there */
+    asdic_flight_miss *most;
+    double most_m; /* that it is more than let pass */
+} passage;
+
+/* The waypoint at the end of the line. */
+static void look_ahead(passage *a) {
+    const asdic_flight *f = a->pilot->flight;
+    size_t point = a->index + 1 < f->count ? a->index + 1 : 0;
+    const double *at_m = f->points_m + 3 * point;
+    a->near[1] = (asdic_flight_miss){point, INFINITY, 0.0};
+    a->z_m[1] = wanted_depth_m(f, at_m[2], at_m[0], at_m[1]);
+}
+
+/* The waypoint at the beginning of the line counts; the next line begins. */
+static void end_line(passage *a) {
+    const asdic_flight_miss *m = &a->near[0];
+    bool is_last = m->point + 1 == a->pilot->flight->count;
+    double aside_m = m->aside_m - (is_last ? MOST_MISS_M : 2.0 * a->pilot->model.turn_radius_m);
+    double over_m = fmax(aside_m, fabs(m->deeper_m) - MOST_MISS_M);
+    if (m->point > 0 && isfinite(over_m) && over_m > a->most_m) {
+        *a->most = *m;
+        a->most_m = over_m;
+    }
+    a->near[0] = a->near[1];
+    a->z_m[0] = a->z_m[1];
+    a->index++;
+    look_ahead(a);
+}
+
+/* Where the vehicle is now, where that is nearer. */
+static void note_passage(passage *a) {
+    const flight_state *s = &a->pilot->state;
+    while (a->index < a->pilot->index) {
+        end_line(a);
+    }
+    for (size_t i = 0; i < 2; i++) {
+        asdic_flight_miss *near = &a->near[i];
+        const double *at_m = a->pilot->flight->points_m + 3 * near->point;
+        double aside_m = hypot(s->x_m - at_m[0], s->y_m - at_m[1]), deeper_m = s->z_m - a->z_m[i];
+        if (near->point > 0 && hypot(aside_m, deeper_m) < hypot(near->aside_m, near->deeper_m)) {
+            near->aside_m = aside_m;
+            near->deeper_m = deeper_m;
+        }
+    }
+}
+
 /* Longest time a leg may take: flown at a third of the speed over ground, with some full turns. */
 static double patience_s(const asdic_pilot *p) {
     const asdic_flight *f = p->flight;
@@ -168,10 +223,14 @@ void asdic_pilot_begin(asdic_pilot *p, const asdic_flight *flight) {
     find_line(p);
 }
 
-asdic_status asdic_flight_fly(asdic_context *ctx, const asdic_flight *flight, asdic_track **out) {
+asdic_status asdic_flight_fly(asdic_context *ctx, const asdic_flight *flight, asdic_track **out,
+                              asdic_flight_miss *miss) {
     asdic_status status = ASDIC_OK;
     asdic_pilot p;
+    passage passed = {.pilot = &p, .most = miss};
+    *miss = (asdic_flight_miss){0};
     asdic_pilot_begin(&p, flight);
+    look_ahead(&passed);
     asdic_track *track = calloc(1, sizeof *track);
     size_t steps = 0, leg = flight->count;
     double late_s = 0.0;
@@ -186,6 +245,7 @@ asdic_status asdic_flight_fly(asdic_context *ctx, const asdic_flight *flight, as
             late_s = (double)steps * p.model.step_s + patience_s(&p);
         }
         asdic_pilot_advance(&p, NULL, p.model.step_s);
+        note_passage(&passed);
         double time_s = (double)++steps * p.model.step_s;
         if (p.index == leg && (time_s > late_s || steps >= MAX_POINTS)) {
             status = asdic_fail(
@@ -200,6 +260,7 @@ asdic_status asdic_flight_fly(asdic_context *ctx, const asdic_flight *flight, as
             goto fail;
         }
     }
+    end_line(&passed);
     *out = track;
     track = NULL;
 fail:

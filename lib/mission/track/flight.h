@@ -58,8 +58,16 @@ bool asdic_pilot_is_done(const asdic_pilot *pilot);
 /* STEP_S further, at most the model's; ORDER NULL: along the waypoints. */
 void asdic_pilot_advance(asdic_pilot *pilot, const asdic_order *order, double step_s);
 
-/* From the first waypoint at 0 s to the line across the last. ASDIC_ERROR_INPUT when a waypoint is
- * not reached in a reasonable time, or the flight is too long. */
-asdic_status asdic_flight_fly(asdic_context *ctx, const asdic_flight *flight, asdic_track **out);
+/* Where a flight comes nearest to a waypoint: so far aside, and so much deeper than it is to be flown there. */
+typedef struct asdic_flight_miss {
+    size_t point; /* 0: none; the flight starts there */
+    double aside_m, deeper_m;
+} asdic_flight_miss;
+
+/* From the first waypoint at 0 s to the line across the last. *MISS is the waypoint that is missed most, of those that
+ * are by more than two metres of depth, than a turn is wide aside or, of the last, two metres. ASDIC_ERROR_INPUT when a
+ * waypoint is not reached in a reasonable time, or the flight is too long. */
+asdic_status asdic_flight_fly(asdic_context *ctx, const asdic_flight *flight, asdic_track **out,
+                              asdic_flight_miss *miss);
 
 #endif
