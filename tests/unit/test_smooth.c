@@ -862,10 +862,10 @@ static void a_facet_that_is_a_point_slows_no_welding(void **state) {
         vertices_m[3 * i + 2] = 20.0;
         indices[i] = (uint32_t)i;
     }
-    double start_s = asdic_clock_s();
+    double start_s = asdic_processor_s();
     asdic_mesh *mesh;
     assert_ok(ctx, asdic_mesh_from_triangles(ctx, vertices_m, CORNERS, indices, FACETS, &mesh));
-    assert_true(asdic_clock_s() - start_s < 1.0);
+    assert_true(asdic_processor_s() - start_s < 1.0);
     assert_int_equal(mesh->dropped, 1);
     for (size_t i = 3; i < CORNERS - 3; i++) {
         assert_int_equal(mesh->indices[i], i % 3 == 2 ? i : mesh->indices[i - 2]);
@@ -937,9 +937,9 @@ static void loose_slivers_are_committed_soon(void **state) {
     asdic_mesh *mesh;
     assert_ok(ctx,
               asdic_mesh_from_triangles(ctx, vertices_m, 3 * SLIVERS, indices, SLIVERS, &mesh));
-    double start_s = asdic_clock_s();
+    double start_s = asdic_processor_s();
     asdic_scene *scene = steel_scene(mesh);
-    assert_true(asdic_clock_s() - start_s < 4.0);
+    assert_true(asdic_processor_s() - start_s < 4.0);
     for (size_t i = 0; i < SLIVERS; i++) {
         assert_int_equal(scene->triangles[i].corner_normals[0], DEV_FLAT);
     }
