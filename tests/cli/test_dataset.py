@@ -594,6 +594,10 @@ for line in map(json.loads, open("d/manifest.jsonl")):
             tap.equal(json.loads(folder.read(f"{name}/polar/annotations.json"))["info"]["side_lobes"], side, "COCO's info")
             says(asdic(*make, "-o", folder / name, "--resume", *more), 1, "cannot be resumed")
         says(asdic("merge", folder / "d", folder / "lobes", "-o", folder / "m"), 3, "different data sets")
+        # Sets of before there was a choice have all lobes, and do not say so.
+        folder.write("lobes/dataset.json", folder.read("lobes/dataset.json").replace('"side_lobes":true,', ""))
+        asdic("merge", folder / "lobes", "-o", folder / "m").check(code=0)
+        tap.equal(json.loads(folder.read("m/polar/annotations.json"))["info"]["side_lobes"], True, "of an older set")
 
 
 def test_a_void_frame_is_passed_over():

@@ -276,7 +276,8 @@ static asdic_status write_coco(gatherer *g, int form) {
     asdic_text_format(&text,
                       "{\"info\":{\"description\":\"simulated sonar frames\",\"side_lobes\":%s},\n"
                       "\"categories\":[",
-                      strstr(g->set, "\"side_lobes\":true") ? "true" : "false");
+                      strstr(g->set, "\"side_lobes\":false") ? "false"
+                                                             : "true"); /* older sets do not say */
     for (size_t k = 1; (at = next_class(at, name)) != NULL; k++) {
         asdic_text_format(&text, "%s{\"id\":%zu,\"name\":\"%s\"}", k > 1 ? "," : "", k, name);
     }
