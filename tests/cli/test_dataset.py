@@ -671,6 +671,55 @@ def test_the_first_scene_is_remarked_on():
         tap.equal(asdic("dataset", bare, "-n", 1, "--radius", 32, "-o", folder / "f", "-q").check(code=0).err, "", "quiet")
 
 
+def test_labels_beyond_the_foot():
+    """Steep beams hear what lies behind the sonar in the planes that they span with the upright: in those it has labels."""
+    program.need_device()
+    beams = [f"{{yaw_deg: {(k - 23.5) * 1.25}, pitch_deg: 75, length_h_m: 0.1, length_v_m: 0.004}}" for k in range(48)]
+    with Folder() as folder:
+        path = scene(folder, rays=40000, a=("bottom: {depth_m: 10, lambert_db: -30}", "bottom: {none: true}"),
+                     b=("{radius_m: 1.2, segments: 32}, position_m: [9, 0, 8.8]", "{radius_m: 0.5, segments: 32}, position_m: [-3, 0, 9]"),
+                     c=("{length_h_m: 0.004, length_v_m: 0.01}", "{length_h_m: 0.002, length_v_m: 0.002, pitch_deg: 75}"),
+                     d=("{fan: {count: 48, sector_deg: 60, length_h_m: 0.1, length_v_m: 0.01}}", f"[{', '.join(beams)}]"),
+                     e=("[0, 0, 6], pitch_deg: -20", "[0, 0, 3]"))
+        asdic("dataset", path, "-n", 4, "--radius", 64, "-o", folder / "d").check(code=0)
+        numpy("""
+import json, numpy as np
+from PIL import Image
+yaws = (np.arange(48) - 23.5) * 1.25 * np.pi / 180
+inside = outside = 0
+for line in map(json.loads, open("d/manifest.jsonl")):
+    x, y, _ = np.array(line["objects"][0]["position_m"]) - line["position_m"]
+    bearing = np.arctan2(y, x) - line["attitude_deg"][2] * np.pi / 180
+    off_m = abs(np.hypot(x, y) * np.sin(bearing - yaws))
+    columns = (np.array(Image.open(f"d/bearing/masks/{line['frame']:06d}.png")) == 1).any(axis=0)
+    assert columns[off_m < 0.45].all() and not columns[off_m > 0.9].any(), (line["frame"], columns.nonzero(), off_m)
+    inside, outside = inside + (off_m < 0.45).sum(), outside + (off_m > 0.9).sum()
+assert inside > 10 and outside > 10, (inside, outside)
+""", folder / ".", "PIL")
+
+
+def test_a_fan_may_be_tilted():
+    """By its mount or with the vehicle: the same beams hear the object, and have its labels."""
+    program.need_device()
+    ball, fan, sent = "position_m: [9, 0, 8.8]", "length_v_m: 0.01}}", "{length_h_m: 0.004, length_v_m: 0.01}"
+    yaws = "    - {key: mission.pose.yaw_deg, uniform: [-5, 5]}\n"
+    with Folder() as folder:
+        for name, vehicle, mount in (("v", ", pitch_deg: -40", ""), ("m", "", ", pitch_deg: 40")):
+            path = scene(folder, rays=40000, a=("sector_deg: 60", "sector_deg: 120"), b=(ball, "position_m: [4, 0, 9]"),
+                         c=(sent, f"{{length_h_m: 0.002, length_v_m: 0.005{mount}}}"), d=(fan, f"length_v_m: 0.005{mount}}}}}"),
+                         e=(", pitch_deg: -20", vehicle), f=("[-2, 2]", "[-6, 6]"), g=(yaws, ""))
+            asdic("dataset", path, "-n", 6, "--radius", 64, "-o", folder / name).check(code=0)
+        numpy("""
+import numpy as np
+from PIL import Image
+for k in range(6):
+    v, m = (np.array(Image.open(f"{name}/bearing/masks/{k:06d}.png")) for name in "vm")
+    for number in (1, 2):
+        a, b = ((mask == number).any(axis=0) for mask in (v, m))
+        assert a.sum() > 3 and (a != b).sum() <= 1, (k, number, a.nonzero(), b.nonzero())
+""", folder / ".", "PIL")
+
+
 def test_what_cannot_be_is_said_once():
     program.need_device()
     with Folder() as folder:
