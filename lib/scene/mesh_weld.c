@@ -207,20 +207,30 @@ asdic_status asdic_weld_vertices(asdic_context *ctx, const double *vertices_m, s
     return weld_all(ctx, &w, count, welded);
 }
 
-static uint32_t root_of(const uint32_t *welded, uint32_t i) {
-    while (welded[i] != i) {
-        i = welded[i];
+static uint32_t root_of(uint32_t *welded, uint32_t i) {
+    for (; welded[i] != i; i = welded[i]) {
+        welded[i] = welded[welded[i]];
     }
     return i;
+}
+
+static bool are_within(const asdic_mesh *mesh, uint32_t a, uint32_t b, double most_m) {
+    asdic_vec3 way = asdic_vec3_sub(asdic_mesh_vertex(mesh, b), asdic_mesh_vertex(mesh, a));
+    return fmax(fabs(way.x), fmax(fabs(way.y), fabs(way.z))) <= most_m;
 }
 
 static bool may_collapse(const weld *w, uint32_t i) {
     return w->stout[i] && w->step[i] == 0;
 }
 
-/* The ends of slivers become one where they are within MOST_M along each axis, and no other facet has an edge as short. */
+/* The ends of slivers become one where they are within MOST_M along each axis, and no other facet has an edge as short.
+ * WELDED tells where corners go already, ENDS where that goes. A row of ends may lead on and on: none goes farther
+ * than MOST_M. */
 static void collapse_slivers(const weld *w, const asdic_mesh *mesh, double most_m,
-                             uint32_t *welded) {
+                             const uint32_t *welded, uint32_t *ends) {
+    for (uint32_t i = 0; i < mesh->vertex_count; i++) {
+        ends[i] = i;
+    }
     for (size_t i = 0; i < mesh->triangle_count; i++) {
         const uint32_t *facet = &mesh->indices[3 * i];
         double squares_m2[3], end_m2 = measure_edges(mesh, facet, squares_m2);
@@ -229,37 +239,54 @@ static void collapse_slivers(const weld *w, const asdic_mesh *mesh, double most_
             if (squares_m2[e] > end_m2 || !may_collapse(w, a) || !may_collapse(w, b)) {
                 continue;
             }
-            a = root_of(welded, a);
-            b = root_of(welded, b);
-            asdic_vec3 way = asdic_vec3_sub(asdic_mesh_vertex(mesh, b), asdic_mesh_vertex(mesh, a));
-            if (fmax(fabs(way.x), fmax(fabs(way.y), fabs(way.z))) <= most_m) {
-                welded[a > b ? a : b] = a > b ? b : a;
+            a = root_of(ends, welded[a]);
+            b = root_of(ends, welded[b]);
+            if (are_within(mesh, a, b, most_m)) {
+                ends[a > b ? a : b] = a > b ? b : a;
             }
         }
+    }
+    for (uint32_t i = 0; i < mesh->vertex_count; i++) { /* those before it have settled */
+        uint32_t root = ends[ends[i]];
+        ends[i] = are_within(mesh, i, root, most_m) ? root : i;
+    }
+}
+
+static void move_corners(asdic_mesh *mesh, const uint32_t *to) {
+    for (size_t i = 0; i < 3 * mesh->triangle_count; i++) {
+        mesh->indices[i] = to[mesh->indices[i]];
     }
 }
 
 asdic_status asdic_mesh_weld(asdic_context *ctx, asdic_mesh *mesh) {
+    size_t count = mesh->vertex_count;
     double extent_m = extent_of(mesh);
     weld w = {.vertices_m = mesh->vertices_m,
-              .step = calloc(mesh->vertex_count + 1, sizeof *w.step),
-              .stout = calloc(mesh->vertex_count + 1, sizeof *w.stout)};
-    uint32_t *welded = malloc((mesh->vertex_count + 1) * sizeof *welded);
+              .step = calloc(count + 1, sizeof *w.step),
+              .stout = calloc(count + 1, sizeof *w.stout)};
+    uint32_t *welded = malloc((count + 1) * sizeof *welded);
+    uint32_t *ends = malloc((count + 1) * sizeof *ends);
     asdic_status status = ASDIC_OK;
-    if (!w.step || !w.stout || !welded) {
+    if (!w.step || !w.stout || !welded || !ends) {
         status = asdic_fail_memory(ctx, "the welding of a mesh's vertices");
         goto fail;
     }
-    find_steps(&w, mesh, extent_m);
-    status = weld_all(ctx, &w, mesh->vertex_count, welded);
+    /* Facets may have corners of their own: how far these reach depends on all facets at their place. */
+    status = asdic_weld_vertices(ctx, mesh->vertices_m, count, welded);
     if (status != ASDIC_OK) {
         goto fail;
     }
-    collapse_slivers(&w, mesh, SLIVER_SHARE * extent_m, welded);
-    for (size_t i = 0; i < 3 * mesh->triangle_count; i++) {
-        mesh->indices[i] = root_of(welded, mesh->indices[i]);
+    move_corners(mesh, welded);
+    find_steps(&w, mesh, extent_m);
+    status = weld_all(ctx, &w, count, welded);
+    if (status != ASDIC_OK) {
+        goto fail;
     }
+    collapse_slivers(&w, mesh, SLIVER_SHARE * extent_m, welded, ends);
+    move_corners(mesh, welded);
+    move_corners(mesh, ends);
 fail:
+    free(ends);
     free(welded);
     free(w.stout);
     free(w.step);
