@@ -55,6 +55,16 @@ static void drop_repeated(outline *o) {
     }
 }
 
+/* An outline that is gone round again and again covers no more than once. */
+static void drop_rounds(outline *o) {
+    for (size_t once = 3; 2 * once <= o->count; once++) {
+        if (o->count % once == 0 &&
+            memcmp(o->corners, o->corners + once, (o->count - once) * sizeof *o->corners) == 0) {
+            o->count = once;
+        }
+    }
+}
+
 /* Chooses the plane; false without an area. */
 static bool choose_plane(outline *o) {
     double n[3] = {0.0, 0.0, 0.0}, extent_m = 0.0;
@@ -128,6 +138,7 @@ bool asdic_polygon_triangulate(const double *vertices_m, uint32_t *corners, size
     outline o = {.vertices_m = vertices_m, .corners = corners, .count = count};
     *written = 0;
     drop_repeated(&o);
+    drop_rounds(&o);
     if (o.count < 3 || !choose_plane(&o)) {
         return true;
     }

@@ -24,7 +24,6 @@ BROKEN_REFUSED = {
 }
 ASSIMP_REFUSED = {
     "OBJ/box_UTF16BE.obj": "UTF-16 where text is expected",
-    "OBJ/box_longline.obj": "the outline of facet 0 (936 corners) crosses itself",  # goes round 234 times
     "OBJ/number_formats.obj": ":11: coordinate 3 of this vertex is not a finite number",
     "OBJ/point_cloud.obj": "0 facets",
     "OBJ/testline.obj": "0 facets",

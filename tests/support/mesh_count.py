@@ -34,7 +34,10 @@ def read_obj(content):
         elif words[:1] == ["f"]:
             numbers = [int(word.split("/")[0]) for word in words[1:]]
             facet = [n - 1 if n > 0 else len(points) + n for n in numbers]
-            facets.append(facet if len(set(facet)) > 2 else facet[:3])
+            apart = len(set(facet))
+            if facet == facet[:apart] * (len(facet) // apart):  # gone round again and again
+                facet = facet[:max(apart, 3)]
+            facets.append(facet if apart > 2 else facet[:3])
     return result(points, facets)
 
 

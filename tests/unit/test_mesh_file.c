@@ -290,6 +290,11 @@ static void polygons(void **state) {
                    "f 1 1 2\nf 1 2 5\nf 1 2 3 4 1 5 6 7 8 5\n");
     mesh_rig_expect(&rig, 9, 1);
     assert_close(area_of_load(), 12.0, 0.05);
+    /* a square gone round three times */
+    mesh_rig_write(&rig, "m.obj",
+                   "v 0 0 0\nv 4 0 0\nv 4 4 0\nv 0 4 0\nf 1 2 3 4 1 2 3 4 1 2 3 4\n");
+    mesh_rig_expect(&rig, 2, 0);
+    assert_close(area_of_load(), 16.0, 0.05);
     /* outlines that cross themselves by roundings: one that is no more than that, and a large one */
     mesh_rig_write(&rig, "m.obj",
                    "v 0 0 0\nv 4 1e-7 0\nv 4 0 0\nv 0 1e-7 0\nv 0 4 0\nf 1 2 3 4\nf 1 3 5\n");
