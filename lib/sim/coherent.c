@@ -210,14 +210,29 @@ static size_t ways_of(const asdic_simulator *sim) {
     return 1 + DEV_MIRROR_WAYS * asdic_patches_mirrors(sim, depth_m);
 }
 
-static asdic_status check_memory(const asdic_simulator *sim, size_t scatterers) {
+/* Whether what is LEFT suffices. SMOOTH: of the scatterers, those of smooth bodies. */
+static asdic_status check_memory(const asdic_simulator *sim, size_t scatterers, size_t smooth,
+                                 uint64_t left) {
     char what[64];
-    snprintf(what, sizeof what, "a ping of %zu scatterers needs", scatterers);
-    const char *remedy = scatterers > sim->setup.sampling.rays
-                             ? "hear less far, or with fewer elements, beams or less bandwidth"
-                             : "use fewer rays";
-    return asdic_memory_check(sim->ctx, (uint64_t)scatterers * ways_of(sim) * SLOT_BYTES,
-                              asdic_memory_left(), what, remedy);
+    snprintf(what, sizeof what, "a ping of %zu scatterers or more needs", scatterers);
+    const char *remedy =
+        2 * smooth > scatterers
+            ? "make smooth bodies smaller, give them slopes, or lower the frequency"
+        : scatterers > sim->setup.sampling.rays
+            ? "hear less far, or with fewer elements, beams or less bandwidth"
+            : "use fewer rays";
+    return asdic_memory_check(sim->ctx, (uint64_t)scatterers * ways_of(sim) * SLOT_BYTES, left,
+                              what, remedy);
+}
+
+/* Finds the scatterers, as long as there is room for them: of a large smooth wall there may be billions. */
+static asdic_status find_scatterers(asdic_simulator *sim, const asdic_ping_shot *shot,
+                                    asdic_coherent *c) {
+    uint64_t left = asdic_memory_left(), each = ways_of(sim) * SLOT_BYTES;
+    c->found.most = (size_t)(left / each) + c->slots.capacity;
+    TRY(asdic_patches_find(sim, shot, &c->found));
+    return c->found.slots > c->found.most ? check_memory(sim, c->found.slots, c->found.smooth, left)
+                                          : ASDIC_OK;
 }
 
 asdic_status asdic_coherent_create(asdic_simulator *sim, const asdic_water_column *water,
@@ -227,7 +242,7 @@ asdic_status asdic_coherent_create(asdic_simulator *sim, const asdic_water_colum
                           "coherent pings need one sound speed at all depths; the water's changes "
                           "with depth: leave refraction out of the model");
     }
-    TRY(check_memory(sim, sim->setup.sampling.rays));
+    TRY(check_memory(sim, sim->setup.sampling.rays, 0, asdic_memory_left()));
     *out = calloc(1, sizeof **out);
     return *out ? furnish(sim, water, *out) : asdic_fail_memory(sim->ctx, "a coherent ping");
 }
@@ -277,7 +292,7 @@ static asdic_status make_room(asdic_simulator *sim, asdic_coherent *c) {
         return ASDIC_OK;
     }
     destroy_slots(s);
-    TRY(check_memory(sim, c->found.slots));
+    TRY(check_memory(sim, c->found.slots, c->found.smooth, asdic_memory_left()));
     size_t room = c->found.slots + c->found.slots / 8, traced = sim->tracer ? room : 0;
     size_t heard = room * ways_of(sim);
     const struct {
@@ -504,7 +519,7 @@ asdic_status asdic_coherent_ping(asdic_simulator *sim, const asdic_pose *pose, u
     asdic_coherent *c = sim->coherent;
     asdic_ping_shot *shot = &sim->shots[0];
     asdic_shot_aim(sim, shot, pose, index, ASDIC_STREAM_PING, sim->setup.sampling.rays);
-    TRY(asdic_patches_find(sim, shot, &c->found));
+    TRY(find_scatterers(sim, shot, c));
     TRY(make_room(sim, c));
     TRY(tell(sim, c, shot));
     TRY(run_scatterers(sim, c));

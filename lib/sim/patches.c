@@ -78,6 +78,11 @@ static double loudness(const finder *f, asdic_vec3 u, double sine) {
                 LEAST_LOUD);
 }
 
+/* Whether no more patches can be taken. */
+static bool is_full(const asdic_patches *all) {
+    return all->out_of_memory || (all->most > 0 && all->slots > all->most);
+}
+
 static void add_patch(finder *f, const asdic_piece *p, uint32_t count) {
     asdic_patches *all = f->out;
     if (all->count == all->capacity) {
@@ -109,6 +114,7 @@ static void add_patch(finder *f, const asdic_piece *p, uint32_t count) {
         .start = {plane ? STEP_1 * seed[0] : key.v[0], plane ? STEP_2 * seed[0] : key.v[1]},
     };
     all->slots += count;
+    all->smooth += p->smooth ? count : 0;
 }
 
 static void cut_piece(finder *f, const asdic_piece *p);
@@ -137,13 +143,14 @@ static asdic_vec3 as_met(asdic_vec3 edge, size_t k) {
     return edge;
 }
 
-/* Whether a triangle's outer side shows by any way; OUTWARD as of asdic_part: all of a sheet's do. */
-static bool faces_sonar(const finder *f, const asdic_piece *p, int outward) {
+/* Whether a triangle's outer side shows by any way: all of a sheet's do, and those of a PART that the sonar may be in. */
+static bool faces_sonar(const finder *f, const asdic_piece *p, const asdic_part *part) {
     asdic_vec3 way[3], normal = asdic_vec3_cross(p->edge1, p->edge2);
+    asdic_vec3 apart = asdic_vec3_sub(part->center_m, f->shot->pose.position_m);
     size_t ways = ways_to(f, p, way);
-    bool faces = outward == 0;
+    bool faces = part->outward == 0 || asdic_vec3_length(apart) < part->radius_m;
     for (size_t k = 0; k < ways; k++) {
-        faces = faces || outward * asdic_vec3_dot(as_met(normal, k), way[k]) < 0.0;
+        faces = faces || part->outward * asdic_vec3_dot(as_met(normal, k), way[k]) < 0.0;
     }
     return faces;
 }
@@ -263,7 +270,7 @@ static void cut_piece(finder *f, const asdic_piece *p) {
     const dev_ping *ping = f->shot->ping;
     double range = asdic_vec3_length(asdic_vec3_sub(asdic_piece_middle(p), f->at));
     double reach = asdic_piece_reach(p), area = asdic_piece_area(p);
-    if (range - reach > ping->range_m || area <= 0.0) {
+    if (range - reach > ping->range_m || area <= 0.0 || (f->out && is_full(f->out))) {
         return;
     }
     demand asked = ask(f, p, reach, area);
@@ -337,7 +344,7 @@ static void cut_triangle(finder *f, size_t index) {
     }
     /* As many smooth ones as phase asks for: they are not counted first. */
     if (f->out && mirrors && law->roughness_g < MOST_ROUGHNESS &&
-        faces_sonar(f, &p, part->outward)) {
+        faces_sonar(f, &p, &f->sim->placement->parts[t->part])) {
         p.smooth = true;
         cut_piece(f, &p);
     }
@@ -415,10 +422,13 @@ static void cut_water(finder *f, double wanted) {
             double parts = ceil(s.count[k] / DEV_PATCH_SCATTERERS);
             uint32_t count = (uint32_t)ceil(s.count[k] / fmax(parts, 1.0));
             p.edge1.y = s.width_rad / parts;
-            for (int part = 0; part < parts && !f->out->out_of_memory; part++, p.name[0]++) {
+            for (int part = 0; part < parts && !is_full(f->out); part++, p.name[0]++) {
                 double shift = random_uniform(begin.v[2]) - 0.5; /* of the lattice, by azimuth */
                 p.corner.y = s.begin_rad + k * s.width_rad + (part + shift / count) * p.edge1.y;
                 add_patch(f, &p, count);
+                if (f->out->out_of_memory) {
+                    return;
+                }
                 dev_patch *made = &f->out->items[f->out->count - 1];
                 made->share = (float)(thick * p.edge1.y / count);
                 made->start[0] = begin.v[0] + STEP_1 * number;
@@ -476,7 +486,7 @@ asdic_status asdic_patches_find(const asdic_simulator *sim, const asdic_ping_sho
     for (size_t i = 0; i < f.mirrors; i++) {
         f.mirror_m[i] -= sim->placement->origin_m.z;
     }
-    out->count = out->slots = 0;
+    out->count = out->slots = out->smooth = 0;
     out->out_of_memory = false;
     cut_surfaces(&f); /* counts */
     /* Counts are rounded up to powers of two, on average by 1.44. */

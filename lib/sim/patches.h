@@ -14,6 +14,8 @@ typedef struct asdic_patches {
     dev_patch *items;
     size_t count, capacity;
     size_t slots;  /* scatterers of all patches */
+    size_t smooth; /* of these, of smooth bodies */
+    size_t most;   /* no patch is added to more slots than these; 0: any number */
     double per_m2; /* scatterers on a square metre at 1 m, in the transmitter's beam */
     bool out_of_memory;
 } asdic_patches;

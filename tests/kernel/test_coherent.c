@@ -424,6 +424,10 @@ static void scatterers_lie_anywhere_on_facets(void **state) {
     assert_close(12.0 * uu / n, 1.0, 4.0 / sqrt(n));
     assert_close(12.0 * vv / n, 1.0, 4.0 / sqrt(n));
     assert_close(12.0 * uv / n, 0.0, 4.0 / sqrt(n));
+    /* Where there is no room for all they are looked for no longer. */
+    patches.most = patches.slots / 3;
+    assert_ok(t.ctx, asdic_patches_find(sim, &sim->shots[0], &patches));
+    assert_in_range(patches.slots, patches.most + 1, patches.most + DEV_PATCH_SCATTERERS);
     asdic_patches_finish(&patches);
     asdic_ping_destroy(&ping);
     asdic_simulator_destroy(&sim);

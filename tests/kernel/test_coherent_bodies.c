@@ -462,9 +462,34 @@ static void a_wall_has_few_scatterers(void **state) {
     rig_destroy(&r);
 }
 
+/* A sonar in a closed body, as in a tank, hears its wall: the mirror image of the transmitter, twice as far away. */
+static void a_tank_is_heard_from_within(void **state) {
+    (void)state;
+    const double away_m = 1.5, water = 1e-6 * 1025.0 * 1500.0;
+    ping_rig r = long_pulse();
+    asdic_mesh *mesh = NULL;
+    asdic_pose pose = {.position_m = {0.0, 0.0, 7.0}};
+    r.sampling.left_out = 1u << ASDIC_TERM_VOLUME;
+    r.sonar.max_range_m = 2.25;
+    assert_ok(t.ctx, asdic_mesh_box(t.ctx, (asdic_vec3){2.0 * away_m, 6.0, 6.0}, &mesh));
+    assert_ok(t.ctx, asdic_scene_add_object(r.scene, "tank", mesh, pose,
+                                            asdic_material_facet(200.0, 0.0, 0.0)));
+    asdic_simulator *sim = rig_simulator(&r);
+    asdic_ping *ping = array_shoot(&r, sim, 0);
+    double level = strength_db(&r, ping, away_m);
+    double expected = 20.0 * log10(0.5 * away_m * (200.0 - water) / (200.0 + water));
+    print_message("tank: %.2f dB, by its image %.2f dB\n", level, expected);
+    assert_close(level, expected, 0.3);
+    asdic_ping_destroy(&ping);
+    asdic_simulator_destroy(&sim);
+    asdic_mesh_destroy(&mesh);
+    rig_destroy(&r);
+}
+
 int main(void) {
     t = test_device_open_or_skip();
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_tank_is_heard_from_within),
         cmocka_unit_test(a_wall_has_few_scatterers),
         cmocka_unit_test(a_wall_turned_away_is_as_quiet_as_it_is),
         cmocka_unit_test(a_plate_has_its_lobes),
