@@ -37,8 +37,9 @@
 #define SMOOTH_TURNS 0.5
 /* depart from even by this many wavelengths, edge^2 / range, */
 #define SMOOTH_BENT 0.02
-/* and turn by this much more to the end of the array, or of a face, than to its middle. */
-#define SMOOTH_ASIDE 0.015
+/* and what it turns by, times what more it turns by to the end of the array, or of a face, than to its middle, be this much: as
+ * that product goes what the form factor differs by. */
+#define SMOOTH_ASIDE 0.0075
 /* Triangles longer than this many times their height are cut across first. */
 #define SLIVER 4.0
 
@@ -165,7 +166,8 @@ static double parts_of(const finder *f, const asdic_piece *p, asdic_vec3 edge, d
         double along = (fabs(asdic_vec3_dot(as_met(edge, k), way[k])) + length * reach) / range;
         double turns = 2.0 * fmin(along, length) / wavelength_m;
         double bent = length / sqrt(SMOOTH_BENT * wavelength_m * range);
-        double aside = length * f->half_m / (SMOOTH_ASIDE * wavelength_m * range);
+        double more = length * f->half_m / (wavelength_m * range);
+        double aside = sqrt((turns + more) * more / SMOOTH_ASIDE);
         most = fmax(fmax(most, turns / SMOOTH_TURNS), fmax(bent, aside));
     }
     return most;
