@@ -144,18 +144,6 @@ static asdic_vec3 as_met(asdic_vec3 edge, size_t k) {
     return edge;
 }
 
-/* Whether a triangle's outer side shows by any way: all of a sheet's do, and those of a PART that the sonar may be in. */
-static bool faces_sonar(const finder *f, const asdic_piece *p, const asdic_part *part) {
-    asdic_vec3 way[3], normal = asdic_vec3_cross(p->edge1, p->edge2);
-    asdic_vec3 apart = asdic_vec3_sub(part->center_m, f->shot->pose.position_m);
-    size_t ways = ways_to(f, p, way);
-    bool faces = part->outward == 0 || asdic_vec3_length(apart) < part->radius_m;
-    for (size_t k = 0; k < ways; k++) {
-        faces = faces || part->outward * asdic_vec3_dot(as_met(normal, k), way[k]) < 0.0;
-    }
-    return faces;
-}
-
 /* Into how many parts an EDGE of a smooth piece P, which reaches over REACH, is to fall. */
 static double parts_of(const finder *f, const asdic_piece *p, asdic_vec3 edge, double reach) {
     double wavelength_m = f->shot->water.wavelength_m, length = asdic_vec3_length(edge), most = 0.0;
@@ -345,8 +333,7 @@ static void cut_triangle(finder *f, size_t index) {
         cut_piece(f, &p);
     }
     /* As many smooth ones as phase asks for: they are not counted first. */
-    if (f->out && mirrors && law->roughness_g < MOST_ROUGHNESS &&
-        faces_sonar(f, &p, &f->sim->placement->parts[t->part])) {
+    if (f->out && mirrors && law->roughness_g < MOST_ROUGHNESS) {
         p.smooth = true;
         cut_piece(f, &p);
     }
