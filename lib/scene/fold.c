@@ -18,13 +18,22 @@
 /* A patch with more neighbours is a floor; whether they turn on is not asked. */
 #define MOST_FOLDS 2048
 
+/* What is known of a fold while its patch is the present one. */
+typedef struct sight {
+    asdic_vec3 sum_m; /* of the vertices shared */
+    asdic_vec3 turn;
+    uint32_t last; /* vertex */
+} sight;
+
 /* Facets by their patch, and what is found on the way. */
 typedef struct folding {
     asdic_surface *s;
     uint32_t *first, *members; /* of each patch */
     uint32_t *place;           /* by patch: its fold beside the present one */
     uint32_t *seen;            /* by vertex: the patch that saw it last */
-    size_t count, room;
+    sight *sights;             /* of the present patch' folds */
+    size_t count, room, sight_room;
+    bool joined; /* vertices lie on edges of others, who do not share them */
 } folding;
 
 static asdic_vec3 patch_normal(const folding *f, uint32_t patch) {
@@ -52,22 +61,40 @@ static void sort_members(folding *f) {
     f->first[0] = 0;
 }
 
-/* The fold from PATCH, whose folds begin at BEGIN, to OTHER; NULL without room. */
+/* Room for one fold more than there are, of which the present patch' begin at BEGIN. */
+static bool make_room(folding *f, uint32_t begin) {
+    if (f->count == f->room) {
+        size_t room = 2 * f->room + 64;
+        asdic_fold *more = realloc(f->s->folds, room * sizeof *more);
+        if (!more) {
+            return false;
+        }
+        f->s->folds = more;
+        f->room = room;
+    }
+    if (f->count - begin == f->sight_room) {
+        size_t room = 2 * f->sight_room + 64;
+        sight *more = realloc(f->sights, room * sizeof *more);
+        if (!more) {
+            return false;
+        }
+        f->sights = more;
+        f->sight_room = room;
+    }
+    return true;
+}
+
+/* The fold from the present patch, whose folds begin at BEGIN, to OTHER; NULL without room. */
 static asdic_fold *fold_to(folding *f, uint32_t begin, uint32_t other) {
     uint32_t at = f->place[other];
     if (at >= begin && at < f->count && f->s->folds[at].patch == other) {
         return &f->s->folds[at];
     }
-    if (f->count == f->room) {
-        size_t room = 2 * f->room + 64;
-        asdic_fold *more = realloc(f->s->folds, room * sizeof *more);
-        if (!more) {
-            return NULL;
-        }
-        f->s->folds = more;
-        f->room = room;
+    if (!make_room(f, begin)) {
+        return NULL;
     }
     f->place[other] = (uint32_t)f->count;
+    f->sights[f->count - begin] = (sight){.last = UINT32_MAX};
     f->s->folds[f->count] = (asdic_fold){.patch = other, .beyond = INFINITY};
     return &f->s->folds[f->count++];
 }
@@ -88,13 +115,20 @@ static bool fold_vertex(folding *f, uint32_t patch, uint32_t facet, uint32_t ver
         if (!fold) {
             return false;
         }
-        if (fold->shared == 0 || fold->last != vertex) {
-            fold->at_m = asdic_vec3_add(fold->at_m, p);
-            fold->last = vertex;
+        sight *seen = &f->sights[f->place[other] - begin];
+        if (seen->last != vertex) {
+            seen->sum_m = asdic_vec3_add(seen->sum_m, p);
+            seen->last = vertex;
             fold->shared++;
         }
     }
     return true;
+}
+
+/* How PATCH turns into OTHER: in its plane, as long as the sine. */
+static asdic_vec3 turn_of(const folding *f, uint32_t patch, uint32_t other) {
+    asdic_vec3 own = patch_normal(f, patch), next = patch_normal(f, other);
+    return asdic_vec3_sub(next, asdic_vec3_scale(own, asdic_vec3_dot(own, next)));
 }
 
 static void find_beside(folding *f, uint32_t patch, bool *has_room) {
@@ -111,14 +145,16 @@ static void find_beside(folding *f, uint32_t patch, bool *has_room) {
     }
     f->count = f->count - begin > MOST_FOLDS ? begin : f->count;
     for (size_t i = begin; i < f->count; i++) {
-        s->folds[i].at_m = asdic_vec3_scale(s->folds[i].at_m, 1.0 / s->folds[i].shared);
+        asdic_vec3 origin = asdic_surface_corner(s, 3 * (size_t)f->members[f->first[patch]]);
+        asdic_fold *fold = &s->folds[i];
+        sight *seen = &f->sights[i - begin];
+        asdic_vec3 at = asdic_vec3_scale(seen->sum_m, 1.0 / fold->shared);
+        at = asdic_vec3_sub(at, origin);
+        fold->at_m[0] = (float)at.x;
+        fold->at_m[1] = (float)at.y;
+        fold->at_m[2] = (float)at.z;
+        seen->turn = turn_of(f, patch, fold->patch);
     }
-}
-
-/* How PATCH turns into OTHER: in its plane, as long as the sine. */
-static asdic_vec3 turn_of(const folding *f, uint32_t patch, uint32_t other) {
-    asdic_vec3 own = patch_normal(f, patch), next = patch_normal(f, other);
-    return asdic_vec3_sub(next, asdic_vec3_scale(own, asdic_vec3_dot(own, next)));
 }
 
 /* Width of PATCH across an edge, WAY the unit vector across it in a plane beside. */
@@ -135,8 +171,7 @@ typedef struct across {
     double sine, width;
 } across;
 
-static across across_of(const folding *f, uint32_t patch, const asdic_fold *fold) {
-    asdic_vec3 turn = turn_of(f, patch, fold->patch);
+static across across_of(const folding *f, uint32_t patch, asdic_vec3 turn) {
     across a = {.sine = asdic_vec3_length(turn)};
     if (a.sine > 0.0) {
         a.way = asdic_vec3_scale(turn, 1.0 / a.sine);
@@ -145,14 +180,16 @@ static across across_of(const folding *f, uint32_t patch, const asdic_fold *fold
     return a;
 }
 
-/* How much PATCH turns along A at FAR, which lies at its far side from FOLD; 0: it does not, or turns aside. */
-static double turn_at(const folding *f, uint32_t patch, const across *a, const asdic_fold *fold,
-                      const asdic_fold *far) {
-    asdic_vec3 apart = asdic_vec3_sub(far->at_m, fold->at_m);
-    if (!(fabs(asdic_vec3_dot(apart, a->way)) >= FAR_SIDE * a->width)) {
-        return 0.0;
-    }
-    asdic_vec3 turn = turn_of(f, patch, far->patch);
+/* Whether FAR lies at the far side of a patch from its FOLD, that it turns over by A. */
+static bool is_far(const across *a, const asdic_fold *fold, const asdic_fold *far) {
+    double apart = a->way.x * ((double)far->at_m[0] - (double)fold->at_m[0]) +
+                   a->way.y * ((double)far->at_m[1] - (double)fold->at_m[1]) +
+                   a->way.z * ((double)far->at_m[2] - (double)fold->at_m[2]);
+    return fabs(apart) >= FAR_SIDE * a->width;
+}
+
+/* How much a TURN is along A; 0: it is aside. */
+static double turn_along(const across *a, asdic_vec3 turn) {
     double along = fabs(asdic_vec3_dot(turn, a->way));
     return along >= AHEAD * asdic_vec3_length(turn) ? along : 0.0;
 }
@@ -164,17 +201,21 @@ static bool alike(double a, double b) {
 /* Rate of FOLD of PATCH, and the least at the far side where that is of its kind. */
 static void measure_fold(folding *f, uint32_t patch, asdic_fold *fold) {
     const asdic_surface *s = f->s;
-    across a = across_of(f, patch, fold);
+    uint32_t begin = s->first_fold[patch];
+    across a = across_of(f, patch, f->sights[fold - s->folds - begin].turn);
     if (!(a.sine > 0.0)) {
         return;
     }
     double rate = 2.0 * a.sine / (a.width + width_of(f, fold->patch, a.way));
     fold->rate = (float)rate;
-    for (uint32_t j = s->first_fold[patch]; j < s->first_fold[patch + 1]; j++) {
+    for (uint32_t j = begin; j < f->count; j++) {
         const asdic_fold *far = &s->folds[j];
-        double turn = turn_at(f, patch, &a, fold, far);
+        double turn = is_far(&a, fold, far) ? turn_along(&a, f->sights[j - begin].turn) : 0.0;
+        if (!(turn > 0.0)) {
+            continue;
+        }
         double there = 2.0 * turn / (a.width + width_of(f, far->patch, a.way));
-        if (turn > 0.0 && (alike(turn, a.sine) || alike(there, rate))) {
+        if (alike(turn, a.sine) || alike(there, rate)) {
             fold->beyond = fminf(fold->beyond, (float)there);
         }
     }
@@ -204,10 +245,11 @@ static bool is_amid(const asdic_fold *own, const asdic_fold *back) {
 /* Whether PATCH turns on, amid others, at the side far from FOLD. */
 static bool turns_on(const folding *f, uint32_t patch, const asdic_fold *fold) {
     const asdic_surface *s = f->s;
-    across a = across_of(f, patch, fold);
+    across a = across_of(f, patch, turn_of(f, patch, fold->patch));
     for (uint32_t j = s->first_fold[patch]; j < s->first_fold[patch + 1]; j++) {
         const asdic_fold *far = &s->folds[j], *back = find_fold(s, far->patch, patch);
-        if (is_edge(far, back) && is_amid(far, back) && turn_at(f, patch, &a, fold, far) > 0.0) {
+        if (is_edge(far, back) && is_amid(far, back) && is_far(&a, fold, far) &&
+            turn_along(&a, turn_of(f, patch, far->patch)) > 0.0) {
             return true;
         }
     }
@@ -227,7 +269,7 @@ static bool keeps_flat(const folding *f, uint32_t patch, const asdic_fold *fold)
     if (fold->beyond == INFINITY) {
         return true;
     }
-    across a = across_of(f, patch, fold);
+    across a = across_of(f, patch, turn_of(f, patch, fold->patch));
     return BEVEL_RATIO * a.width > width_of(f, fold->patch, a.way) && !turns_on(f, patch, fold);
 }
 
@@ -237,13 +279,13 @@ static bool find_all(folding *f) {
     sort_members(f);
     for (uint32_t patch = 0; patch < s->count; patch++) {
         find_beside(f, patch, &has_room);
-    }
-    s->first_fold[s->count] = (uint32_t)f->count;
-    for (uint32_t patch = 0; has_room && patch < s->count; patch++) {
-        for (uint32_t i = s->first_fold[patch]; i < s->first_fold[patch + 1]; i++) {
-            measure_fold(f, patch, &s->folds[i]);
+        for (size_t i = s->first_fold[patch]; has_room && i < f->count; i++) {
+            if (f->joined || s->folds[i].shared > 1) { /* else it is no edge */
+                measure_fold(f, patch, &s->folds[i]);
+            }
         }
     }
+    s->first_fold[s->count] = (uint32_t)f->count;
     for (uint32_t patch = 0; has_room && patch < s->count; patch++) {
         for (uint32_t i = s->first_fold[patch]; i < s->first_fold[patch + 1]; i++) {
             s->folds[i].ends = keeps_flat(f, patch, &s->folds[i]);
@@ -259,7 +301,8 @@ asdic_status asdic_surface_find_folds(asdic_context *ctx, asdic_surface *s) {
                  .first = calloc(count + 2, sizeof *f.first),
                  .members = malloc(count * sizeof *f.members),
                  .place = malloc(count * sizeof *f.place),
-                 .seen = malloc(3 * count * sizeof *f.seen)};
+                 .seen = malloc(3 * count * sizeof *f.seen),
+                 .joined = s->first[3 * count] > 3 * count};
     s->first_fold = malloc((count + 1) * sizeof *s->first_fold);
     bool has_room = f.first && f.members && f.place && f.seen && s->first_fold;
     if (has_room) {
@@ -271,6 +314,7 @@ asdic_status asdic_surface_find_folds(asdic_context *ctx, asdic_surface *s) {
     free(f.members);
     free(f.place);
     free(f.seen);
+    free(f.sights);
     return has_room ? ASDIC_OK : asdic_fail_memory(ctx, "the folds of an object");
 }
 

@@ -10,12 +10,10 @@
 struct asdic_fold {
     uint32_t patch;
     uint32_t shared; /* vertices; one alone is no edge */
-    uint32_t last;   /* the last of them */
-    asdic_vec3 at_m; /* their mean */
+    float at_m[3];   /* their mean, from the patch' first corner */
     float rate;      /* turn by length across the edge, rad/m */
-    float
-        beyond; /* the least at the far side of the patch, where it turns on; INFINITY: it does not */
-    bool ends; /* the patch keeps its own normal along the edge */
+    float beyond;    /* the least at the far side, where it turns on; INFINITY: it does not */
+    bool ends;       /* the patch keeps its own normal along the edge */
 };
 
 /* All folds beside a patch of more than one facet: a facet by itself is of a surface that is triangulated at will. */
