@@ -396,8 +396,8 @@ static void remark_on_waypoints(mission_builder *b) {
     const asdic_yaml_node *node = b->file->mission.waypoints.node;
     if (m->point > 0) {
         asdic_log(b->ctx, ASDIC_LOG_WARNING,
-                  "%s:%u:%u: warning: the flight does not reach point %zu: it passes %.2g m aside "
-                  "and %.2g m %s it; fly slower, or give points farther apart  "
+                  "%s:%u:%u: warning: the flight does not reach point %zu: it passes %.1f m aside "
+                  "and %.1f m %s it; fly slower, or give points farther apart  "
                   "[mission.waypoints.points_m[%zu]]",
                   b->problems->name, node->line, node->column, m->point, m->aside_m,
                   fabs(m->deeper_m), m->deeper_m > 0.0 ? "below" : "above", m->point);
