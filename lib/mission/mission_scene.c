@@ -13,6 +13,7 @@
 #include "scene/scene.h"
 #include "scene/triangles.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -269,8 +270,9 @@ static asdic_status build_object(mission_builder *b, size_t number) {
     if (!status && mesh && o->mesh.node) {
         status = reserve_copies(b, number, mesh);
     }
-    if (!status) {
-        status = asdic_scene_set_crease(b->mission->scene, o->crease_deg * ASDIC_PI / 180.0);
+    if (!status) { /* what is out of range has been told */
+        double crease_deg = fmin(fmax(o->crease_deg, 0.0), 90.0);
+        status = asdic_scene_set_crease(b->mission->scene, crease_deg * ASDIC_PI / 180.0);
     }
     status = status ? asdic_mission_file_problem(b, o->node, status)
                     : place(b, o->node, mesh, o->mesh.node != NULL, object);
