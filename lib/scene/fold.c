@@ -8,7 +8,7 @@
 
 /* A turn goes on where the next is alike to this ratio, by itself or by length: chords of a circle turn by half the sum of
  * their lengths over its radius, and the first and the last of a fillet by half as much as those within. */
-#define ALIKE 3.0
+#define ALIKE 6.0
 /* A facet so much narrower than what it bevels stands for a rounded edge. */
 #define BEVEL_RATIO 4.0
 /* What lies at a patch's far side is farther away than this share of its width, more than the middle of what is beside. */

@@ -817,6 +817,57 @@ static void a_barrel_with_cones_is_straight(void **state) {
     }
 }
 
+/* Half the thickness of NACA 0015 over its chord; Abbott and von Doenhoff 1959, eq. 6.2, its trailing edge closed. */
+static double naca_0015(double x) {
+    return 0.75 * (0.2969 * sqrt(x) - x * (0.126 + x * (0.3516 - x * (0.2843 - x * 0.1036))));
+}
+
+/* Strips of a wing are wide amidships and narrow at the nose, and turn by unlike angles: it is round all the same. */
+static void a_wing_of_few_strips_is_round(void **state) {
+    (void)state;
+    enum { STATIONS = 8, AROUND = 2 * STATIONS, ROWS = 4 };
+    double v[3 * AROUND * (ROWS + 1)];
+    uint32_t f[6 * AROUND * ROWS];
+    for (uint32_t i = 0; i < AROUND * (ROWS + 1); i++) {
+        int k =
+            (int)(i % AROUND) - STATIONS; /* from the trailing edge above to the nose and back */
+        double x = 0.5 * (1.0 - cos(PI * k / STATIONS));
+        v[3 * i] = 0.5 * x;
+        v[3 * i + 1] = 1.0 / ROWS * (i / AROUND);
+        v[3 * i + 2] = (k < 0 ? -0.5 : 0.5) * naca_0015(x);
+        if (i < AROUND * ROWS) {
+            uint32_t next = i - i % AROUND + (i + 1) % AROUND;
+            const uint32_t two[] = {i, next, next + AROUND, i, next + AROUND, i + AROUND};
+            memcpy(f + 6 * i, two, sizeof two);
+        }
+    }
+    asdic_mesh *mesh;
+    asdic_scene *scene;
+    assert_ok(ctx,
+              asdic_mesh_from_triangles(ctx, v, AROUND * (ROWS + 1), f, 2 * AROUND * ROWS, &mesh));
+    assert_ok(ctx, asdic_scene_create(ctx, &scene));
+    assert_ok(ctx, asdic_scene_add_object(scene, "wing", mesh, (asdic_pose){.position_m.z = 9.0},
+                                          asdic_material_facet(45.0, 0.0, 0.0)));
+    assert_ok(ctx, asdic_scene_commit(scene));
+    asdic_mesh_destroy(&mesh);
+    size_t creases = 0;
+    for (size_t n = 0; n < 9 * scene->triangle_count * scene->triangle_count; n++) {
+        const dev_triangle *a = &scene->triangles[n / 9 / scene->triangle_count],
+                           *b = &scene->triangles[n / 9 % scene->triangle_count];
+        const float *at[2][3] = {{a->v0, a->v1, a->v2}, {b->v0, b->v1, b->v2}};
+        vector one = smooth_unpack(a->corner_normals[n / 3 % 3]),
+               two = smooth_unpack(b->corner_normals[n % 3]);
+        bool leans = a->normal[0] * b->normal[0] + a->normal[1] * b->normal[1] +
+                         a->normal[2] * b->normal[2] <
+                     (float)cos(CREASE_RAD);
+        bool meet = memcmp(at[0][n / 3 % 3], at[1][n % 3], sizeof a->v0) == 0;
+        creases += meet && !leans && vector_dot(one, two) < 0.999f;
+    }
+    print_message("%zu corners with two normals\n", creases);
+    assert_int_equal(creases, 0);
+    asdic_scene_destroy(&scene);
+}
+
 /* Facets of a cylinder are flat where its crease angle says so. */
 static void a_crease_angle_makes_facets_flat(void **state) {
     (void)state;
@@ -1008,6 +1059,7 @@ int main(void) {
         cmocka_unit_test(few_plates_stay_flat),
         cmocka_unit_test(a_chamfered_box_is_flat),
         cmocka_unit_test(a_barrel_with_cones_is_straight),
+        cmocka_unit_test(a_wing_of_few_strips_is_round),
         cmocka_unit_test(a_crease_angle_makes_facets_flat),
         cmocka_unit_test(facets_wound_either_way_are_one_body),
         cmocka_unit_test(other_laws_stay_flat),
