@@ -12,7 +12,7 @@ scene = asdic.Scene(
     sonar={"frequency_khz": 200, "bandwidth_khz": 10, "ping_rate_hz": 4, "max_range_m": 60, "source_level_db": 205,
            "bin_length_m": 0.5, "speckle": "rayleigh",
            "receivers": {"fan": {"count": 5, "sector_deg": 60, "length_h_m": 0.05, "length_v_m": 0.03}}},
-    mission={"waypoints": {"points_m": [[0, 0, 8], [60, 0, 8], [80, 40, 8]], "speed_mps": 3}},
+    mission={"waypoints": {"points_m": [[0, 0, 8], [60, 0, 8], [80, 40, 8]], "speed_mps": 2}},
     output={"csv": "none", "images": []})
 for k, (x, y) in enumerate([(45, 4), (75, -3), (85, 22), (100, 45)]):
     scene.add(f"pile{k}", cylinder={"radius_m": 0.5, "length_m": 15}, position_m=(x, y, 7.5), rotation_deg=(90, 0, 0),

@@ -179,7 +179,7 @@ def test_errors_are_one_each():
         if left < 40e6: # kB
             huge = folder.write("huge.yaml", SCENE.replace("rays: 4000", "rays: 268435456"))
             done = asdic("run", huge, "-o", folder / "huge").check(code=1)
-            tap.contains(done.err, "a ping of 268435456 scatterers needs")
+            tap.contains(done.err, "a ping of 268435456 scatterers or more needs")
             tap.contains(done.err, "use fewer rays")
 
 
