@@ -49,7 +49,7 @@ typedef struct asdic_queue_size {
     size_t beams, bins;
     double bin_length_m;
     asdic_elements_shape elements; /* of coherent pings whose pressures are wanted */
-    bool truth; /* that pings have */
+    bool truth;                    /* that pings have */
 } asdic_queue_size;
 
 /* Q is finished in any case. */
