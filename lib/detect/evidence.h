@@ -71,4 +71,8 @@ asdic_status asdic_evidence_create(asdic_context *ctx, const asdic_look *look,
                                    asdic_k_table *k_table, asdic_evidence *out);
 void asdic_evidence_finish(asdic_evidence *footprint);
 
+/* asdic_occupancy_add with a TABLE, or NULL, of LOOK's law. */
+asdic_status asdic_occupancy_add_tabled(asdic_context *ctx, asdic_occupancy *map,
+                                        const asdic_look *look, asdic_k_table *table);
+
 #endif

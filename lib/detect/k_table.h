@@ -26,8 +26,4 @@ double asdic_k_table_pd(asdic_k_table *table, const asdic_background *b, double 
 double asdic_k_table_llr(asdic_k_table *table, const asdic_background *b, double target_lin,
                          double intensity_lin);
 
-/* asdic_occupancy_add with a TABLE, or NULL, of LOOK's law. */
-asdic_status asdic_occupancy_add_tabled(asdic_context *ctx, asdic_occupancy *map,
-                                        const asdic_look *look, asdic_k_table *table);
-
 #endif

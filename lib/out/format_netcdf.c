@@ -70,9 +70,9 @@ static const label level_names[ASDIC_RECORD_ARRAYS] = {
 static void describe_file(netcdf *f, const asdic_format_about *about) {
     char seed[ASDIC_DIGITS_SIZE];
     asdic_digits_natural(seed, about->seed);
+    /* CF-1.9 is the first with 64-bit unsigned integers; groups and strings are there since 1.8. */
     const asdic_nc_attribute root[] = {
-        {"Conventions",
-         "CF-1.9"}, /* the first with 64-bit unsigned integers; groups and strings since 1.8 */
+        {"Conventions", "CF-1.9"},
         {"title", about->scene_name},
         {"summary", "Simulated forward-looking sonar: echo levels by ping, beam and range."},
         {"comment", "Groups and names after SONAR-netCDF4; the file does not conform to it: "

@@ -89,8 +89,8 @@ asdic_status asdic_mesh_allocate(asdic_context *ctx, size_t vertex_count, size_t
     return ASDIC_OK;
 }
 
-asdic_status asdic_mesh_complete_exact(asdic_context *ctx, asdic_mesh *mesh, const char *name) {
-    TRY(check_numbers(ctx, mesh, name));
+/* Of a mesh whose numbers are good. */
+static asdic_status drop_and_count(asdic_context *ctx, asdic_mesh *mesh, const char *name) {
     drop_degenerate(mesh);
     TRY(asdic_mesh_drop_copies(ctx, mesh));
     if (mesh->triangle_count == 0) {
@@ -103,7 +103,12 @@ asdic_status asdic_mesh_complete_exact(asdic_context *ctx, asdic_mesh *mesh, con
 asdic_status asdic_mesh_complete(asdic_context *ctx, asdic_mesh *mesh, const char *name) {
     TRY(check_numbers(ctx, mesh, name));
     TRY(asdic_mesh_weld(ctx, mesh));
-    return asdic_mesh_complete_exact(ctx, mesh, name);
+    return drop_and_count(ctx, mesh, name);
+}
+
+asdic_status asdic_mesh_complete_exact(asdic_context *ctx, asdic_mesh *mesh, const char *name) {
+    TRY(check_numbers(ctx, mesh, name));
+    return drop_and_count(ctx, mesh, name);
 }
 
 asdic_status asdic_mesh_from_triangles(asdic_context *ctx, const double *vertices_m,

@@ -273,8 +273,8 @@ static void keep_bright(const outlook *o, const candidate *best, const bundle *b
     }
 }
 
-/* Adds to OUT, of COUNT and at most MOST, what is seen of BEST by the rays that come to it: by the brightest bundles that there is room
- * for, upper ones first. */
+/* Adds to OUT, of COUNT and at most MOST, what is seen of BEST by the rays that come to it: by the brightest bundles that
+ * there is room for, upper ones first. */
 static void follow(const outlook *o, const candidate *best, size_t most, candidate *out,
                    size_t *count) {
     const asdic_part *part = &o->parts[best->part];

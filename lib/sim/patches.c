@@ -199,8 +199,8 @@ static double cell_m(const finder *f) {
     return 0.5 * f->shot->water.sound_speed_mps / f->sim->setup.sonar.bandwidth_hz;
 }
 
-/* How large the sonar is, what its beams look at, and how dense scatterers then are: a cell is as wide as the unshaded array's beam, and as
- * long as the pulse. */
+/* How large the sonar is, what its beams look at, and how dense scatterers then are: a cell is as wide as the unshaded
+ * array's beam, and as long as the pulse. */
 static void look_at_beams(finder *f) {
     const asdic_sonar *sonar = &f->sim->setup.sonar;
     const dev_beam *beams = asdic_shot_beams(f->shot);

@@ -53,8 +53,8 @@ ASDIC_API void asdic_context_set_log(asdic_context *ctx, asdic_log_level level, 
                                      void *user);
 
 /* One sentence about the last failed call with this context, or with what was created from it other
- * than a ping: what failed, with which value, against which limit,
- * what to do. Valid until the next failing call on this context; "" when nothing has failed. */
+ * than a ping: what failed, with which value, against which limit, what to do. Valid until the next
+ * failing call on this context; "" when nothing has failed. */
 ASDIC_API const char *asdic_context_error(const asdic_context *ctx);
 
 /* A call that takes long has done DONE of TOTAL parts, which WHAT names ("beams"). One that is part
