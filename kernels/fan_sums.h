@@ -301,10 +301,10 @@ WITHIN void add_run(__global const dev_ping *ping, fan_run run, const receivers 
                     real down = gain[k] * down_of(entry);
                     d0 = r_fma((real)(entry->quanta[0]), down, d0);
                     d1 = r_fma((real)(entry->quanta[1]), down, d1);
-#if ASDIC_HAS_MIRRORS
-                    d2 = r_fma((real)(entry->quanta[2]), down, d2);
-                    d3 = r_fma((real)(entry->quanta[3]), down, d3);
-#endif
+                    if (mirrored) { /* else they are no echoes */
+                        d2 = r_fma((real)(entry->quanta[2]), down, d2);
+                        d3 = r_fma((real)(entry->quanta[3]), down, d3);
+                    }
                 }
             }
         }
@@ -338,7 +338,14 @@ static APART void add_run_mirrored(__global const dev_ping *ping, fan_run run, c
 #if ASDIC_TRUTH
 static APART void add_run_unlike(__global const dev_ping *ping, fan_run run, const receivers *r,
                                  uint parts) {
-    add_run(ping, run, r, parts, true, ASDIC_HAS_MIRRORS);
+    add_run(ping, run, r, parts, true, false);
+}
+#endif
+
+#if ASDIC_TRUTH && ASDIC_HAS_MIRRORS
+static APART void add_run_unlike_mirrored(__global const dev_ping *ping, fan_run run,
+                                          const receivers *r, uint parts) {
+    add_run(ping, run, r, parts, true, true);
 }
 #endif
 
@@ -372,6 +379,12 @@ static void add_list(__global const dev_ping *ping, __global const fan_entry *en
             add_alone(ping, run, r, sums->parts);
             continue;
         }
+#if ASDIC_TRUTH && ASDIC_HAS_MIRRORS
+        if ((entry->truth & DEPTHS_UNLIKE) != 0u && is_mirrored(entry->rows, 0u)) {
+            add_run_unlike_mirrored(ping, run, r, sums->parts);
+            continue;
+        }
+#endif
 #if ASDIC_TRUTH
         if ((entry->truth & DEPTHS_UNLIKE) != 0u) {
             add_run_unlike(ping, run, r, sums->parts);
