@@ -72,7 +72,7 @@ bool asdic_line_take_number(const asdic_mesh_scan *scan, asdic_line *line, doubl
     }
     char *stop;
     double value = strtod_l(line->at, &stop, scan->c_locale);
-    if (stop == line->at || !at_word_end(line, stop) || !isfinite(value) ||
+    if (stop == line->at || stop > line->end || !at_word_end(line, stop) || !isfinite(value) ||
         memchr(line->at, 'x', (size_t)(stop - line->at)) ||
         memchr(line->at, 'X', (size_t)(stop - line->at))) { /* C++ streams read no 0x10 */
         return false;

@@ -92,10 +92,11 @@ static void use_mesh(asdic_context *ctx, asdic_mesh *mesh) {
     if (info.triangles == 0 || !isfinite(info.min_m.x) || !isfinite(info.max_m.z)) {
         abort();
     }
-    asdic_material rock = asdic_material_bottom(2.0);
+    /* Steel is smoothed, which sand is not. */
+    asdic_material sand = asdic_material_bottom(2.0), steel = asdic_material_facet(45.0, 0.0, 0.0);
     if (asdic_scene_create(ctx, &scene) == ASDIC_OK &&
-        asdic_scene_add_bottom(scene, mesh, here, rock) == ASDIC_OK &&
-        asdic_scene_add_moving_object(scene, "moves", mesh, here, rock) == ASDIC_OK &&
+        asdic_scene_add_bottom(scene, mesh, here, sand) == ASDIC_OK &&
+        asdic_scene_add_moving_object(scene, "moves", mesh, here, steel) == ASDIC_OK &&
         asdic_scene_commit(scene) == ASDIC_OK) {
         asdic_scene_altitude_m(scene, (asdic_vec3){0.1, 0.1, 0.0});
         move(scene);

@@ -93,6 +93,7 @@ static void ply_bodies(void **state) {
         {"ply\nformat text 1.0\n", ":2: unknown PLY format"},
         {PLY_HEAD("3", "1") "0 0 0\n1 0x1 0\n0 1 0\n3 0 1 2\n", ":11: vertex 1"},
         {PLY_HEAD("3", "1") "0 0 0\n1 1e39 0\n0 1 0\n3 0 1 2\n", ":11: vertex 1"},
+        {PLY_HEAD("3", "1") "0 0 0\n1 0 0\n0 1 \v\n0\n3 0 1 2\n", ":12: vertex 2"},
         {PLY_HEAD("3", "1") "0 0 0\n1 0 0\n0 1 0\n3.5 0 1 2 1\n", ":13: face 0"},
         {PLY_HEAD("3", "1") "0 0 0\n1 0 0\n0 1 0\n300 0 1 2\n", ":13: face 0"},
         {PLY_HEAD("3", "0") "0 0 0\n1 0 0\n0 1 0\n", "m.ply: 3 vertices and 0 faces"},
