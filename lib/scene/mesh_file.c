@@ -90,13 +90,14 @@ static asdic_status triangulate_facet(const asdic_mesh_scan *scan, size_t facet,
 }
 
 static asdic_status triangulate(const asdic_mesh_scan *scan, asdic_polygons *p, asdic_mesh *mesh) {
-    uint32_t *outline = scan->outlines, *end = outline + scan->outlines_size;
+    size_t at = 0; /* of the next outline */
     mesh->triangle_count = 0;
     mesh->dropped = scan->facets - p->facet_count;
     for (size_t f = 0; f < p->facet_count; f++) {
-        if (outline < end && outline[0] == f) {
+        uint32_t *outline = at < scan->outlines_size ? &scan->outlines[at] : NULL;
+        if (outline && outline[0] == f) {
             TRY(triangulate_facet(scan, f, outline + 2, outline[1], mesh));
-            outline += 2 + outline[1];
+            at += 2 + outline[1];
         } else {
             TRY(triangulate_facet(scan, f, &p->corners[p->first[f]], p->first[f + 1] - p->first[f],
                                   mesh));
