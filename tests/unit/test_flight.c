@@ -130,7 +130,7 @@ static void what_is_not_reached_is_told(void **state) {
     assert_true(missed.deeper_m < -(15 - 0.3 * along_s) &&
                 missed.deeper_m > -(15 - 0.3 * along_s) - 2 * 0.3);
     asdic_track_destroy(&track);
-    track = fly(nomoto(square_m, 5, 4.0, 6.0, 1.0, 0.3));
+    track = fly(nomoto(square_m, 5, 4.0, 6.0, 3.0, 0.3)); /* the lag is two radii long */
     const track_point *last = &track->points[track->count - 1];
     assert_int_equal(missed.point, 4);
     assert_close(missed.aside_m, hypot(last->x_m, last->y_m), 0.2);
@@ -173,6 +173,58 @@ static void depth_is_reached_without_overshoot(void **state) {
     asdic_track_destroy(&track);
 }
 
+/* Pings that come amid a turn of 120 degrees lie on its circle, at any speed, rate and response. */
+static void steady_turns_have_the_radius(void **state) {
+    (void)state;
+    static const double cases[][3] = {/* speed, radius, response */
+                                      {0.5, 5, 1}, {1, 5, 1},  {1.5, 5, 1}, {1.5, 10, 2},
+                                      {2, 5, 0.5}, {3, 10, 1}, {2, 15, 2},  {4, 12, 1}};
+    static const double rates_hz[] = {1, 2, 5, 20};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        double speed_mps = cases[i][0], radius_m = cases[i][1], corner_m = 30 * radius_m;
+        double points_m[] = {0, 0, 5, corner_m, 0, 5, 0.5 * corner_m, sqrt(0.75) * corner_m, 5};
+        const asdic_flight flight = nomoto(points_m, 3, speed_mps, radius_m, cases[i][2], 0.3);
+        asdic_track *track = fly(flight);
+        check_kinematics(&flight, track);
+        double least_m = INFINITY, most_m = 0;
+        for (size_t r = 0; r < sizeof rates_hz / sizeof *rates_hz; r++) {
+            double step_s = 1.0 / rates_hz[r];
+            for (double t = step_s; t < asdic_track_end_s(track); t += step_s) {
+                asdic_pose a = asdic_track_pose(track, t - step_s), b = asdic_track_pose(track, t);
+                double chord_m =
+                    hypot(b.position_m.x - a.position_m.x, b.position_m.y - a.position_m.y);
+                if (a.yaw_rad > 0.45 * 2.0 / 3.0 * ASDIC_PI &&
+                    b.yaw_rad < 0.7 * 2.0 / 3.0 * ASDIC_PI) {
+                    double flown_m = chord_m / (2.0 * sin(0.5 * (b.yaw_rad - a.yaw_rad)));
+                    least_m = fmin(least_m, flown_m);
+                    most_m = fmax(most_m, flown_m);
+                }
+            }
+        }
+        print_message("%g m/s, %g m, %g s: turns of %.2f to %.2f m\n", speed_mps, radius_m,
+                      cases[i][2], least_m, most_m);
+        assert_close_relative(least_m, radius_m, 0.05);
+        assert_close_relative(most_m, radius_m, 0.05);
+        asdic_track_destroy(&track);
+    }
+}
+
+/* A square corner is cut by the arc that touches both lines, and not swung out of. */
+static void corners_are_cut_by_the_arc(void **state) {
+    (void)state;
+    const double points_m[] = {0, 0, 5, 100, 0, 5, 100, 100, 5};
+    for (double speed_mps = 0.5; speed_mps < 2.1; speed_mps += 0.5) {
+        asdic_track *track = fly(nomoto(points_m, 3, speed_mps, 5.0, 1.0, 0.3));
+        double most_m = 0;
+        for (size_t i = 0; i < track->count; i++) {
+            most_m = fmax(most_m, track->points[i].x_m);
+        }
+        assert_close(nearest_m(track, points_m + 3), (sqrt(2) - 1) * 5.0, 0.3);
+        assert_close(most_m, 100, 0.5);
+        asdic_track_destroy(&track);
+    }
+}
+
 /* With a quick response the tightest turn is a circle of the given radius. */
 static void tightest_turn_has_the_radius(void **state) {
     (void)state;
@@ -189,10 +241,8 @@ static void tightest_turn_has_the_radius(void **state) {
     asdic_track_destroy(&track);
 }
 
-/* Full rudder: surge, sway and yaw rate at which forces and moments balance, found by integrating
- * the published equations by a program of its own; the circle is the same at any speed. */
-/* The autopilots' gains: of the heading error a share of four response times; rudder and planes against rates, at the
- * fins' own time constant, up to 13.6 degrees. */
+/* The autopilots' gains: of the heading that a coast leaves, four in a response time; rudder and planes against rates, at
+ * the fins' own time constant, up to 13.6 degrees. */
 static void autopilots_answer_by_their_gains(void **state) {
     (void)state;
     const double points_m[] = {0, 0, 5, 99, 0, 5};
@@ -200,7 +250,11 @@ static void autopilots_answer_by_their_gains(void **state) {
     flight_state at = {.z_m = 5};
     flight_aim aim = {.yaw_rad = 0.01, .z_m = 5};
     assert_close(asdic_flight_model_nomoto(&slow).derivative(&slow, &aim, &at).yaw_rate,
-                 0.01 / (4.0 * 2.0) / 2.0, 1e-15);
+                 4.0 * 0.01 / 2.0 / 2.0, 1e-15);
+    at.yaw_rate = 0.003; /* coasts 0.006 */
+    assert_close(asdic_flight_model_nomoto(&slow).derivative(&slow, &aim, &at).yaw_rate,
+                 (4.0 * 0.004 / 2.0 - 0.003) / 2.0, 1e-15);
+    at.yaw_rate = 0.0;
     flight_model model = asdic_flight_model_remus100();
     aim.yaw_rad = 0.0;
     at = (flight_state){.z_m = 5, .surge_mps = 1.5, .pitch_rate = 0.02};
@@ -244,6 +298,8 @@ static void fins_answer_a_hand(void **state) {
                  1e-12);
 }
 
+/* Full rudder: surge, sway and yaw rate at which forces and moments balance, found by integrating
+ * the published equations by a program of its own; the circle is the same at any speed. */
 static void remus_balances_in_its_circle(void **state) {
     (void)state;
     const double points_m[] = {0, 0, 5, 99, 0, 5};
@@ -610,6 +666,8 @@ int main(void) {
         cmocka_unit_test(box_is_flown_close_to_its_corners),
         cmocka_unit_test(what_is_not_reached_is_told),
         cmocka_unit_test(depth_is_reached_without_overshoot),
+        cmocka_unit_test(steady_turns_have_the_radius),
+        cmocka_unit_test(corners_are_cut_by_the_arc),
         cmocka_unit_test(tightest_turn_has_the_radius),
         cmocka_unit_test(autopilots_answer_by_their_gains),
         cmocka_unit_test(fins_answer_a_hand),
