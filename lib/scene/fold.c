@@ -36,12 +36,6 @@ typedef struct folding {
     bool joined; /* vertices lie on edges of others, who do not share them */
 } folding;
 
-static asdic_vec3 patch_normal(const folding *f, uint32_t patch) {
-    const asdic_patch *p = &f->s->patches[patch];
-    return asdic_patch_is_level(p) ? p->normal
-                                   : asdic_surface_normal(f->s, f->members[f->first[patch]]);
-}
-
 static uint32_t size_of(const folding *f, uint32_t patch) {
     return f->first[patch + 1] - f->first[patch];
 }
@@ -125,9 +119,8 @@ static bool fold_vertex(folding *f, uint32_t patch, uint32_t facet, uint32_t ver
     return true;
 }
 
-/* How PATCH turns into OTHER: in its plane, as long as the sine. */
-static asdic_vec3 turn_of(const folding *f, uint32_t patch, uint32_t other) {
-    asdic_vec3 own = patch_normal(f, patch), next = patch_normal(f, other);
+asdic_vec3 asdic_fold_turn(const asdic_surface *s, uint32_t patch, uint32_t other) {
+    asdic_vec3 own = asdic_patch_normal(s, patch), next = asdic_patch_normal(s, other);
     return asdic_vec3_sub(next, asdic_vec3_scale(own, asdic_vec3_dot(own, next)));
 }
 
@@ -145,7 +138,7 @@ static void find_beside(folding *f, uint32_t patch, bool *has_room) {
     }
     f->count = f->count - begin > MOST_FOLDS ? begin : f->count;
     for (size_t i = begin; i < f->count; i++) {
-        asdic_vec3 origin = asdic_surface_corner(s, 3 * (size_t)f->members[f->first[patch]]);
+        asdic_vec3 origin = asdic_surface_corner(s, 3 * (size_t)s->patches[patch].facet);
         asdic_fold *fold = &s->folds[i];
         sight *seen = &f->sights[i - begin];
         asdic_vec3 at = asdic_vec3_scale(seen->sum_m, 1.0 / fold->shared);
@@ -153,16 +146,8 @@ static void find_beside(folding *f, uint32_t patch, bool *has_room) {
         fold->at_m[0] = (float)at.x;
         fold->at_m[1] = (float)at.y;
         fold->at_m[2] = (float)at.z;
-        seen->turn = turn_of(f, patch, fold->patch);
+        seen->turn = asdic_fold_turn(s, patch, fold->patch);
     }
-}
-
-/* Width of PATCH across an edge, WAY the unit vector across it in a plane beside. */
-static double width_of(const folding *f, uint32_t patch, asdic_vec3 way) {
-    asdic_vec3 n = patch_normal(f, patch);
-    way = asdic_vec3_sub(way, asdic_vec3_scale(n, asdic_vec3_dot(way, n)));
-    double length = asdic_vec3_length(way);
-    return length > 0.0 ? asdic_patch_width(&f->s->patches[patch], way) / length : 0.0;
 }
 
 /* How PATCH turns over a fold, and how far it reaches across it. */
@@ -171,11 +156,11 @@ typedef struct across {
     double sine, width;
 } across;
 
-static across across_of(const folding *f, uint32_t patch, asdic_vec3 turn) {
+static across across_of(const asdic_surface *s, uint32_t patch, asdic_vec3 turn) {
     across a = {.sine = asdic_vec3_length(turn)};
     if (a.sine > 0.0) {
         a.way = asdic_vec3_scale(turn, 1.0 / a.sine);
-        a.width = width_of(f, patch, a.way);
+        a.width = asdic_patch_reach(s, patch, a.way);
     }
     return a;
 }
@@ -202,11 +187,11 @@ static bool alike(double a, double b) {
 static void measure_fold(folding *f, uint32_t patch, asdic_fold *fold) {
     const asdic_surface *s = f->s;
     uint32_t begin = s->first_fold[patch];
-    across a = across_of(f, patch, f->sights[fold - s->folds - begin].turn);
+    across a = across_of(s, patch, f->sights[fold - s->folds - begin].turn);
     if (!(a.sine > 0.0)) {
         return;
     }
-    double rate = 2.0 * a.sine / (a.width + width_of(f, fold->patch, a.way));
+    double rate = 2.0 * a.sine / (a.width + asdic_patch_reach(s, fold->patch, a.way));
     fold->rate = (float)rate;
     for (uint32_t j = begin; j < f->count; j++) {
         const asdic_fold *far = &s->folds[j];
@@ -214,7 +199,7 @@ static void measure_fold(folding *f, uint32_t patch, asdic_fold *fold) {
         if (!(turn > 0.0)) {
             continue;
         }
-        double there = 2.0 * turn / (a.width + width_of(f, far->patch, a.way));
+        double there = 2.0 * turn / (a.width + asdic_patch_reach(s, far->patch, a.way));
         if (alike(turn, a.sine) || alike(there, rate)) {
             fold->beyond = fminf(fold->beyond, (float)there);
         }
@@ -243,13 +228,12 @@ static bool is_amid(const asdic_fold *own, const asdic_fold *back) {
 }
 
 /* Whether PATCH turns on, amid others, at the side far from FOLD. */
-static bool turns_on(const folding *f, uint32_t patch, const asdic_fold *fold) {
-    const asdic_surface *s = f->s;
-    across a = across_of(f, patch, turn_of(f, patch, fold->patch));
+static bool turns_on(const asdic_surface *s, uint32_t patch, const asdic_fold *fold) {
+    across a = across_of(s, patch, asdic_fold_turn(s, patch, fold->patch));
     for (uint32_t j = s->first_fold[patch]; j < s->first_fold[patch + 1]; j++) {
         const asdic_fold *far = &s->folds[j], *back = find_fold(s, far->patch, patch);
         if (is_edge(far, back) && is_amid(far, back) && is_far(&a, fold, far) &&
-            turn_along(&a, turn_of(f, patch, far->patch)) > 0.0) {
+            turn_along(&a, asdic_fold_turn(s, patch, far->patch)) > 0.0) {
             return true;
         }
     }
@@ -258,19 +242,20 @@ static bool turns_on(const folding *f, uint32_t patch, const asdic_fold *fold) {
 
 /* Whether PATCH keeps flat towards FOLD: three facets or fewer, one after another, are faces that meet at blunt edges,
  * unless the one amid is narrow: a bevel. */
-static bool keeps_flat(const folding *f, uint32_t patch, const asdic_fold *fold) {
-    const asdic_fold *back = find_fold(f->s, fold->patch, patch);
+static bool keeps_flat(const asdic_surface *s, uint32_t patch, const asdic_fold *fold) {
+    const asdic_fold *back = find_fold(s, fold->patch, patch);
     if (!is_edge(fold, back) || !(fold->rate > 0.0f) || is_amid(fold, back)) {
         return false;
     }
     if (back->beyond < INFINITY) {
-        return back->beyond > (float)ALIKE * fold->rate || !turns_on(f, fold->patch, back);
+        return back->beyond > (float)ALIKE * fold->rate || !turns_on(s, fold->patch, back);
     }
     if (fold->beyond == INFINITY) {
         return true;
     }
-    across a = across_of(f, patch, turn_of(f, patch, fold->patch));
-    return BEVEL_RATIO * a.width > width_of(f, fold->patch, a.way) && !turns_on(f, patch, fold);
+    across a = across_of(s, patch, asdic_fold_turn(s, patch, fold->patch));
+    return BEVEL_RATIO * a.width > asdic_patch_reach(s, fold->patch, a.way) &&
+           !turns_on(s, patch, fold);
 }
 
 static bool find_all(folding *f) {
@@ -288,7 +273,7 @@ static bool find_all(folding *f) {
     s->first_fold[s->count] = (uint32_t)f->count;
     for (uint32_t patch = 0; has_room && patch < s->count; patch++) {
         for (uint32_t i = s->first_fold[patch]; i < s->first_fold[patch + 1]; i++) {
-            s->folds[i].ends = keeps_flat(f, patch, &s->folds[i]);
+            s->folds[i].ends = keeps_flat(s, patch, &s->folds[i]);
             s->patches[patch].ends |= s->folds[i].ends;
         }
     }

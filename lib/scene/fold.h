@@ -19,6 +19,9 @@ struct asdic_fold {
 /* All folds beside a patch of more than one facet: a facet by itself is of a surface that is triangulated at will. */
 asdic_status asdic_surface_find_folds(asdic_context *ctx, asdic_surface *surface);
 
+/* How PATCH turns into OTHER: in its plane, as long as the sine. */
+asdic_vec3 asdic_fold_turn(const asdic_surface *surface, uint32_t patch, uint32_t other);
+
 /* Whether the surface ends for PATCH at an edge to OTHER, or both have a vertex alone in common. */
 bool asdic_fold_parts(const asdic_surface *surface, uint32_t patch, uint32_t other);
 

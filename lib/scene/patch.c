@@ -70,6 +70,13 @@ double asdic_patch_width(const asdic_patch *p, asdic_vec3 way) {
     return sqrt(p->length2_m2 * along * along + p->breadth2_m2 * across2);
 }
 
+double asdic_patch_reach(const asdic_surface *s, uint32_t patch, asdic_vec3 way) {
+    asdic_vec3 n = asdic_patch_normal(s, patch);
+    way = asdic_vec3_sub(way, asdic_vec3_scale(n, asdic_vec3_dot(way, n)));
+    double length = asdic_vec3_length(way);
+    return length > 0.0 ? asdic_patch_width(&s->patches[patch], way) / length : 0.0;
+}
+
 static bool same_plane(const asdic_surface *s, uint32_t seed, uint32_t facet, double size_m) {
     asdic_vec3 n = asdic_surface_normal(s, seed);
     asdic_vec3 d = asdic_vec3_sub(n, asdic_surface_normal(s, facet));
@@ -105,6 +112,7 @@ static void grow_patch(asdic_surface *s, uint32_t seed, uint32_t number, double 
         }
     }
     s->patches[number] = patch_of(&m);
+    s->patches[number].facet = seed;
 }
 
 /* Whether the facets of QUEUE lean from N each by itself. */
@@ -160,6 +168,7 @@ static bool are_level(const asdic_surface *s, const uint32_t *queue, size_t coun
     }
     *face = patch_of(&m);
     face->normal = n;
+    face->facet = queue[0];
     return high - low <= LEVEL * sqrt(face->breadth2_m2) && lean_at_random(s, queue, count, n);
 }
 

@@ -13,6 +13,7 @@ struct asdic_patch {
     double breadth2_m2; /* of the shorter one */
     asdic_vec3 along;   /* unit, along its length */
     asdic_vec3 normal;  /* of what is nearly in a plane; 0: each facet's own */
+    uint32_t facet;     /* its first */
     bool ends;          /* keeps its own normals at an edge to another, below the crease angle */
 };
 
@@ -24,7 +25,16 @@ static inline bool asdic_patch_is_level(const asdic_patch *patch) {
     return patch->normal.x != 0.0 || patch->normal.y != 0.0 || patch->normal.z != 0.0;
 }
 
+/* Its normal, or its first facet's. */
+static inline asdic_vec3 asdic_patch_normal(const asdic_surface *surface, uint32_t patch) {
+    const asdic_patch *p = &surface->patches[patch];
+    return asdic_patch_is_level(p) ? p->normal : asdic_surface_normal(surface, p->facet);
+}
+
 /* How far it reaches along WAY, in its plane, times the length of WAY. */
 double asdic_patch_width(const asdic_patch *patch, asdic_vec3 way);
+
+/* How far PATCH reaches along WAY, of which what is in its plane counts. */
+double asdic_patch_reach(const asdic_surface *surface, uint32_t patch, asdic_vec3 way);
 
 #endif
