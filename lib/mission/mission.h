@@ -128,6 +128,10 @@ asdic_status asdic_mission_place_at(const asdic_mission *mission, asdic_simulato
 /* Where rays that bend do not come, in the first ping: shadows, turning and trapped rays. */
 void asdic_mission_remark_water(const asdic_mission *mission, asdic_remarks *out);
 
+/* Meshes that may be of plates or round, where sound of SPEED_MPS makes a difference of it. */
+void asdic_mission_remark_ambiguity(const asdic_mission *mission, double speed_mps,
+                                    asdic_remarks *out);
+
 /* FOLDER/track.csv: pings FIRST to FIRST + COUNT - 1. */
 asdic_status asdic_mission_write_pings(asdic_context *ctx, const asdic_mission *mission,
                                        size_t first, size_t count, const char *path);

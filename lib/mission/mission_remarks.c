@@ -220,6 +220,7 @@ asdic_remarks asdic_mission_remarks(const asdic_mission *mission) {
     asdic_mission_remark_water(mission, &rest);
     double speed_mps = asdic_environment_sound_speed_mps(env, s.z_m);
     remark_on_small_objects(mission, speed_mps / mission->settings.sonar.frequency_hz, &rest);
+    asdic_mission_remark_ambiguity(mission, speed_mps, &rest);
     remark_on_motion(mission, speed_mps, &rest);
     remark_on_sonar(&mission->settings, speed_mps, &rest);
     if (rest.count < ASDIC_MOST_REMARKS) {

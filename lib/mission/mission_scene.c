@@ -176,6 +176,9 @@ static asdic_status place(mission_builder *b, asdic_yaml_node *node, const asdic
         }
         m->objects[m->object_count++] = object;
         status = add_to_scene(m, mesh, &object);
+        if (!status) {
+            m->scene->parts[m->scene->part_count - 1].is_primitive = !is_file;
+        }
     }
     return asdic_mission_file_problem(b, node, status);
 }

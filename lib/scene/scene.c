@@ -16,9 +16,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A round body of 16 facets turns by 22.5 degrees from one to the next, one of 11 by 33. */
-#define CREASE_RAD (35.0 * ASDIC_PI / 180.0)
-
 asdic_status asdic_scene_create(asdic_context *ctx, asdic_scene **out) {
     if (!out) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "no place for the scene was given");
@@ -31,7 +28,7 @@ asdic_status asdic_scene_create(asdic_context *ctx, asdic_scene **out) {
     (*out)->has_surface = true;
     (*out)->surface = asdic_material_of(asdic_law_find("course"));
     (*out)->bvh.root = DEV_EMPTY;
-    (*out)->crease_rad = CREASE_RAD;
+    (*out)->crease_rad = ASDIC_CREASE_RAD;
     return ASDIC_OK;
 }
 

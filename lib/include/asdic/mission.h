@@ -205,9 +205,10 @@ ASDIC_API asdic_status asdic_mission_write_track(asdic_context *ctx, const asdic
                                                  const char *path);
 
 /* Laws that a mission uses outside the range that their sources state, then rays too few for its
- * sonar, shadows, and a sonar that is hardly meant, a sentence each: levels are computed all the
- * same, and run.json keeps the sentences. Last a format that cannot be written here, without which
- * no run into a folder begins. Of too many the last laws are missing. */
+ * sonar, shadows, meshes that may be of plates or round, and a sonar that is hardly meant, a
+ * sentence each: levels are computed all the same, and run.json keeps the sentences. Last a format
+ * that cannot be written here, without which no run into a folder begins. Of too many the last
+ * laws are missing. */
 #define ASDIC_MOST_REMARKS 8
 #define ASDIC_REMARK_SIZE 256
 typedef struct asdic_remarks {
