@@ -17,8 +17,8 @@
  * The calibration also shows what a ping may have missed: a ping that holds less energy than the
  * calibration's pings knows less of its error than they do.
  *
- * tests/kernel/test_honesty.c measures true over stated error in scenes of every kind; the constants below
- * were chosen by it.
+ * tests/kernel/test_honesty*.c measure true over stated error in scenes of every kind; the constants below
+ * were chosen by them.
  */
 #include "simulator.h"
 
