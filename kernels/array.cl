@@ -95,7 +95,9 @@ static void add_echo(const listener *l, __global const dev_echo *echo, own_sums 
     float rest = fused(-((float)(nearest) + 0.5f), l->sample_m, echo->way_m);
     nearest -= l->begin;
     phasor turn = phasor_of(-longer * (real)(l->turns_per_m));
-    real re = turn.re * echo->re - turn.im * echo->im, im = turn.re * echo->im + turn.im * echo->re;
+    real size = r_fma(l->y, r_fma(l->y, (real)(echo->bend), (real)(echo->tilt)), R(1.0));
+    real re = size * (turn.re * echo->re - turn.im * echo->im);
+    real im = size * (turn.re * echo->im + turn.im * echo->re);
     real x = (R(0.5) * longer + rest) * (real)(l->pulses_per_m);
     phasor turned = {re, im};
 #if ASDIC_WIDTH == 1

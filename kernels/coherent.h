@@ -28,19 +28,25 @@
 /* Kinds of scatterers beside DEV_KIND_*. */
 #define DEV_KIND_POINT 4
 #define DEV_KIND_WATER 5
+/* How a piece of surface returns: by its law, by physical optics of its area, or of the area that it is an edge of. */
+#define DEV_FORM_ROUGH 0
+#define DEV_FORM_FACE 1
+#define DEV_FORM_EDGE 2
 
 /* A piece of surface, a piece of a shell of water, or a point, with COUNT scatterers. */
 typedef struct dev_patch {
     /* Scene frame. Of a point: corner, and in edge1 what single precision leaves of it. Of a shell of water: by range, m, and by
      * the azimuth about the transmitter, rad, corner where it begins and edge1 how far it goes; in corner[2] how tall, in
-     * wavelengths, what hears it is. */
+     * wavelengths, what hears it is. Of an edge: edge1 runs
+     * along it, edge2 from its corner to the middle of the face. */
     float corner[3], edge1[3], edge2[3];
-    float share; /* of each scatterer: m2; sr m of a shell; of a point its target strength, m2 */
+    float
+        share; /* of each scatterer: m2; of an edge m; sr m of a shell; of a point its target strength, m2 */
     dev_uint first, count;
     dev_uint triangle; /* ~0u: none */
     dev_uint kind;     /* DEV_KIND_* */
     dev_uint folded;   /* 1: the triangle between the edges; 0: the parallelogram */
-    dev_uint smooth;   /* 1: reflects by physical optics; 0: scatters by its law */
+    dev_uint form;     /* DEV_FORM_* */
     dev_uint key[2];   /* the same for the same piece, from ping to ping */
     dev_uint start[2]; /* where its lattice begins */
 } dev_patch;           /* 80 bytes */
@@ -50,11 +56,12 @@ typedef struct dev_patch {
 
 /* A scatterer as elements hear it; array frame: x out of the face, y along the line, z the third. */
 typedef struct dev_echo {
-    float y;       /* along the line, m */
-    float range_m; /* from the array's centre */
-    float way_m;   /* half the way transmitter, point, centre */
-    float re, im;  /* pressure at the centre, a source of 1 uPa at 1 m */
-} dev_echo;        /* 20 bytes */
+    float y;          /* along the line, m */
+    float range_m;    /* from the array's centre */
+    float way_m;      /* half the way transmitter, point, centre */
+    float re, im;     /* pressure at the centre, a source of 1 uPa at 1 m */
+    float tilt, bend; /* at an element y along the line it is 1 + tilt y + bend y^2 of that */
+} dev_echo;           /* 28 bytes */
 
 typedef struct dev_coherent {
     float low[3];                       /* what single precision leaves of dev_ping.origin */

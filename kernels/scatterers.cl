@@ -70,12 +70,36 @@ static float4 scatterer_of(__global const dev_ping *ping, __global const dev_pat
     if (patch->kind == DEV_KIND_WATER) {
         return in_water_of(ping, patch, k);
     }
-    float3 at = patch->smooth != 0u ? grid_of(patch, k) : (float3)(fractions_of(patch, k), 1.0f);
+    float3 at =
+        patch->form == DEV_FORM_FACE ? grid_of(patch, k) : (float3)(fractions_of(patch, k), 1.0f);
+    at = patch->form == DEV_FORM_EDGE
+             ? (float3)(((float)(k) + 0.5f) / (float)(patch->count), 0.0f, 1.0f)
+             : at;
     at = patch->kind == DEV_KIND_POINT ? (float3)(0.0f, 0.0f, 1.0f) : at;
     return (float4)(patch->corner[0] + at.x * patch->edge1[0] + at.y * patch->edge2[0],
                     patch->corner[1] + at.x * patch->edge1[1] + at.y * patch->edge2[1],
                     patch->corner[2] + at.x * patch->edge1[2] + at.y * patch->edge2[2],
                     at.z * patch->share);
+}
+
+/* From an edge straight into its face. */
+static vector inwards_of(__global const dev_patch *patch) {
+    vector along = vector_of(patch->edge1[0], patch->edge1[1], patch->edge1[2]);
+    vector in = vector_of(patch->edge2[0], patch->edge2[1], patch->edge2[2]);
+    float share = vector_dot(in, along) / max(vector_dot(along, along), 1e-30f);
+    return vector_add(in, vector_scale(along, -share));
+}
+
+/* An edge at P is seen where the face is, an eighth of a wavelength in, or of the way to its middle. */
+static vector seen_of_edge(__global const dev_ping *ping, __global const dev_patch *patch,
+                           float4 p) {
+    vector in = inwards_of(patch), at = vector_of(p.x, p.y, p.z);
+    float deep = sqrt(vector_dot(in, in));
+    vector middle =
+        vector_of(patch->corner[0] + patch->edge2[0], patch->corner[1] + patch->edge2[1],
+                  patch->corner[2] + patch->edge2[2]);
+    float share = 0.125f * min(ping->wavelength_m / max(deep, 1e-30f), 1.0f);
+    return vector_add(at, vector_scale(vector_add(middle, vector_scale(at, -1.0f)), share));
 }
 
 /* One work-item per patch. OWNER: the patch of every slot; slots beyond the last scatterer have none. */
@@ -93,9 +117,11 @@ __kernel void coherent_place(__global const dev_ping *ping, __global const dev_c
         places[slot] = p;
         owner[slot] = at;
 #if ASDIC_HAS_MESH
-        vector d =
-            vector_of((p.x - ping->origin[0]) - c->low[0], (p.y - ping->origin[1]) - c->low[1],
-                      (p.z - ping->origin[2]) - c->low[2]);
+        vector seen =
+            patch->form == DEV_FORM_EDGE ? seen_of_edge(ping, patch, p) : vector_of(p.x, p.y, p.z);
+        vector d = vector_of((seen.x - ping->origin[0]) - c->low[0],
+                             (seen.y - ping->origin[1]) - c->low[1],
+                             (seen.z - ping->origin[2]) - c->low[2]);
         float range = sqrt(vector_dot(d, d)), unit = 1.0f / max(range, 1e-9f);
         vector o = vector_of(ping->origin[0], ping->origin[1], ping->origin[2]);
         float skin = TRACE_SKIN * (2.0f * sqrt(vector_dot(o, o)) + range);
@@ -128,9 +154,10 @@ typedef struct found {
     natural kind, key0, key1, number;
     natural plane;  /* that mirrors: DEV_KIND_*; 0: none */
     mask out, back; /* which leg goes by way of it */
-    mask there, smooth;
+    mask there, smooth, edge;
     real share, pieces;
-    triple at, edge1, edge2;
+    real at_face;            /* how deep what is seen of it lies */
+    triple at, edge1, edge2; /* of an edge, edge2: of length 1, straight into the face */
 } found;
 
 static found find(const world *w, __global const dev_coherent *c, __global const dev_patch *patches,
@@ -158,12 +185,14 @@ static found find(const world *w, __global const dev_coherent *c, __global const
         AT(f.at.x, float) = p.x;
         AT(f.at.y, float) = p.y;
         AT(f.at.z, float) = p.z;
+        AT(f.at_face, float) = p.z;
         AT(f.share, float) = p.w;
         AT(f.kind, uint) = patch->kind;
         AT(f.key0, uint) = patch->key[0];
         AT(f.key1, uint) = patch->key[1];
         AT(f.number, uint) = at - patch->first;
-        AT(f.smooth, int) = patch->smooth != 0u ? -1 : 0;
+        AT(f.smooth, int) = patch->form != DEV_FORM_ROUGH ? -1 : 0;
+        AT(f.edge, int) = patch->form == DEV_FORM_EDGE ? -1 : 0;
         AT(f.pieces, float) = (float)(patch->count);
         AT(f.edge1.x, float) = patch->edge1[0];
         AT(f.edge1.y, float) = patch->edge1[1];
@@ -171,6 +200,14 @@ static found find(const world *w, __global const dev_coherent *c, __global const
         AT(f.edge2.x, float) = patch->edge2[0];
         AT(f.edge2.y, float) = patch->edge2[1];
         AT(f.edge2.z, float) = patch->edge2[2];
+        if (patch->form == DEV_FORM_EDGE) {
+            vector seen = seen_of_edge(w->ping, patch, p), in = inwards_of(patch);
+            float unit = 1.0f / max(sqrt(vector_dot(in, in)), 1e-30f);
+            AT(f.edge2.x, float) = unit * in.x;
+            AT(f.edge2.y, float) = unit * in.y;
+            AT(f.edge2.z, float) = unit * in.z;
+            AT(f.at_face, float) = seen.z;
+        }
         AT(f.m.triangle, uint) = patch->triangle;
         if (patch->kind <= DEV_KIND_OBJECT) {
             AT(f.m.kind, uint) = patch->kind;
@@ -193,6 +230,7 @@ static found find(const world *w, __global const dev_coherent *c, __global const
     f.out = f.out != 0;
     f.back = f.back != 0;
     f.smooth = f.smooth != 0;
+    f.edge = f.edge != 0;
 #endif
     return f;
 }
@@ -240,22 +278,6 @@ static sight see(__global const dev_ping *ping, __global const dev_coherent *c, 
     return s;
 }
 
-/* What a smooth piece of area SHARE, below 0 upside down, returns, relative to a point of 1 m2 (physical optics: the integral
- * of cos i exp(-2 i k r) / lambda over the piece, whose phase goes evenly). U is the mean of both legs' directions. Roughness
- * takes exp(-g cos^2 i) of its energy. */
-static phasor smooth_amplitude(const world *w, const found *f, const law_lanes *laws, slant met,
-                               triple u) {
-    real turns = R(2.0) / ((real)(w->ping->wavelength_m) * sqrt(f->pieces));
-    turns = choose(f->share < R(0.0), -turns, turns);
-    phasor form = triangle_form(dot3(f->edge1, u) * turns, dot3(f->edge2, u) * turns);
-    real amplitude = r_abs(f->share) * met.sine / (real)(w->ping->wavelength_m) *
-                     sqrt(laws->reflection2) *
-                     exp(R(-0.5) * laws->roughness_g * met.sine * met.sine);
-    form.re *= amplitude;
-    form.im *= amplitude;
-    return form;
-}
-
 /* The scattering strength without the lobe that smooth pieces make themselves. */
 static real rough_strength(const world *w, const found *f, const law_lanes *laws, slant met_out,
                            slant met, triple middle, real range) {
@@ -291,6 +313,76 @@ static triple met_along(triple u, mask mirrored_leg) {
 static triple mean_of_legs(triple out, triple back) {
     triple mean = {R(0.5) * (out.x + back.x), R(0.5) * (out.y + back.y), R(0.5) * (out.z + back.z)};
     return mean;
+}
+
+/* How an edge is met: its pressure, a quarter of a turn ahead, as that of so wide a strip; at elements along the line it goes
+ * as tilt and bend of dev_echo say. */
+typedef struct edge_view {
+    real size, tilt, bend;
+} edge_view;
+
+/* Where the phase psi = 2 k U.p goes on over a flat face, U the mean of both legs' directions and U_t what of it lies in the
+ * face, the face's integral is that over its edges,
+ *
+ *     integral of exp(-i psi) dS = i integral of (grad psi . n) / |grad psi|^2 exp(-i psi) dl
+ *                                = i lambda / (4 pi) integral of (U.n) / |U_t|^2 exp(-i psi) dl,
+ *
+ * N out of the face; times cos i / lambda, of spherical waves, it is the boundary diffraction wave (K. Miyamoto, E. Wolf,
+ * "Generalization of the Maggi-Rubinowicz theory of the boundary diffraction wave", J. Opt. Soc. Am. 52, 615 (1962); of plane
+ * waves W. B. Gordon, see facet_form.h), without what a mirror returns where U_t = 0, which must be far. No wavelength is left in
+ * it: it holds whatever the pulse. This is (U.n) cos i / |U_t|^2, n inwards, by RANGE. */
+static real edge_size(const found *f, triple u, real range) {
+    real length2 = r_max(dot3(f->edge1, f->edge1), R(1e-30));
+    real inwards = dot3(u, f->edge2), along = dot3(u, f->edge1);
+    real flat2 = r_max(inwards * inwards + along * along / length2, R(1e-12));
+    return inwards * r_abs(dot3(u, f->m.facet)) / (flat2 * r_max(range, R(1e-3)));
+}
+
+/* The same at the end of the line HALF_M from its middle, where BACK leads from; OUT is the other leg. */
+static real edge_size_from(const found *f, triple out, triple back, real range, triple line,
+                           real half_m) {
+    triple to = {back.x * range - half_m * line.x, back.y * range - half_m * line.y,
+                 back.z * range - half_m * line.z};
+    real length = sqrt(r_max(dot3(to, to), R(1e-6))), unit = R(1.0) / length;
+    triple u = {to.x * unit, to.y * unit, to.z * unit};
+    return edge_size(f, mean_of_legs(out, u), length);
+}
+
+static edge_view view_edge(__global const dev_coherent *c, const found *f, triple out, triple back,
+                           real range, real wavelength_m, real sine) {
+    real half_m = (real)(0.5f * (float)(max(c->elements, 2u) - 1u) * c->spacing_m);
+    triple line = {(real)(c->rows[3]), (real)(c->rows[4]), (real)(c->rows[5])};
+    line = met_along(line, f->back);
+    real middle = edge_size(f, mean_of_legs(out, back), range);
+    real port = edge_size_from(f, out, back, range, line, -half_m),
+         starboard = edge_size_from(f, out, back, range, line, half_m);
+    real least = R(1e-4) / r_max(range, R(1e-3));
+    middle = choose(r_abs(middle) < least, choose(middle < R(0.0), -least, least), middle);
+    edge_view v;
+    v.size = -middle * range / sine * wavelength_m / (R(4.0) * R_PI);
+    v.tilt = R(0.5) * (starboard - port) / (half_m * middle);
+    v.bend = R(0.5) * (starboard + port - R(2.0) * middle) / (half_m * half_m * middle);
+    return v;
+}
+
+/* What a smooth piece of area SHARE, below 0 upside down, returns, relative to a point of 1 m2 (physical optics: the integral
+ * of cos i exp(-2 i k r) / lambda over the piece, whose phase goes evenly), or an edge instead of the area that it is a border
+ * of. U is the mean of both legs' directions. Roughness takes exp(-g cos^2 i) of its energy. */
+static phasor smooth_amplitude(const world *w, const found *f, const law_lanes *laws, slant met,
+                               triple u, edge_view edge) {
+    real per_m = R(2.0) / (real)(w->ping->wavelength_m);
+    real turns = per_m / sqrt(f->pieces);
+    turns = choose(f->share < R(0.0), -turns, turns);
+    phasor form = triangle_form(dot3(f->edge1, u) * turns, dot3(f->edge2, u) * turns);
+    real along = dot3(f->edge1, u) * per_m / f->pieces;
+    form.re = choose(f->edge, R(0.0), form.re);
+    form.im = choose(f->edge, edge.size * near_sinc(along * along), form.im);
+    real amplitude = r_abs(f->share) * met.sine / (real)(w->ping->wavelength_m) *
+                     sqrt(laws->reflection2) *
+                     exp(R(-0.5) * laws->roughness_g * met.sine * met.sine);
+    form.re *= amplitude;
+    form.im *= amplitude;
+    return form;
 }
 
 /* What the plane that mirrors makes of a pressure along U, where a leg goes BY way of it: the surface, soft, turns its
@@ -351,7 +443,8 @@ __kernel void coherent_shade(__global const dev_ping *ping, __global const dev_c
     real tube = (real)(c->water_lin) * f.share * straight.range.high * straight.range.high;
     energy = choose(f.kind == DEV_KIND_WATER, tube, energy);
     met.sine = R(0.5) * (met_out.sine + met.sine);
-    phasor mirror = smooth_amplitude(&w, &f, &laws, met, mean);
+    edge_view edge = view_edge(c, &f, out, back, range, (real)(ping->wavelength_m), met.sine);
+    phasor mirror = smooth_amplitude(&w, &f, &laws, met, mean, edge);
     real amplitude = choose(f.smooth, R(1.0), sqrt(energy));
 
     /* The transmitter and an element, and the loss of both ways. */
@@ -382,7 +475,7 @@ __kernel void coherent_shade(__global const dev_ping *ping, __global const dev_c
         (f.m.triangle == 0xffffffffu) | (dot3(f.m.facet, out) * dot3(f.m.facet, back) >= R(0.0));
     mask heard = f.there & one_side & (amplitude != R(0.0)) &
                  ((by.re != R(0.0)) | (by.im != R(0.0))) & (half_way >= (real)(ping->blanking_m)) &
-                 (half_way < (real)(ping->range_m)) & (plane | in_water(ping, f.at.z)) &
+                 (half_way < (real)(ping->range_m)) & (plane | in_water(ping, f.at_face)) &
                  ((f.plane == 0u) | (f.plane != f.m.kind));
     natural gate = to_natural(half_way / (real)(c->sample_m * DEV_GATE_SAMPLES));
     LANES {
@@ -396,6 +489,8 @@ __kernel void coherent_shade(__global const dev_ping *ping, __global const dev_c
                                            AT(chance.im, float) * AT(way.im, float));
             e.im = AT(amplitude, float) * (AT(chance.re, float) * AT(way.im, float) +
                                            AT(chance.im, float) * AT(way.re, float));
+            e.tilt = AT(f.edge, int) != 0 ? AT(edge.tilt, float) : 0.0f;
+            e.bend = AT(f.edge, int) != 0 ? AT(edge.bend, float) : 0.0f;
             echoes[at] = e;
             gates[at] = AT(heard, int) != 0 ? min(AT(gate, uint), c->gates - 1u) : NO_GATE;
         }

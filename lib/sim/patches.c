@@ -17,6 +17,8 @@
 /* A resolution cell has this many scatterers in the directions of beams, at least: the variance of its energy
  * is then below 1 %, and speckle is Rayleigh's. */
 #define LEAST_OF_CELL 5.0
+/* A face that meets bottom or surface may cross it by this much, for rounding. */
+#define TOUCHING_M 1e-4
 /* Lattices of seeds that follow each other begin far apart: the plastic number's inverse powers, by which the water's
  * scatterers follow each other as well. */
 #define STEP_1 0xC13FA9A9u
@@ -42,6 +44,19 @@
 #define SMOOTH_ASIDE 0.0075
 /* Triangles longer than this many times their height are cut across first. */
 #define SLIVER 4.0
+/* Where a smooth face mirrors elsewhere its edges stand for its area, which is then cut no more. What an echo turns by along the
+ * face goes with the sum of both ways' sines there; what this changes by to the end of the array, or of a face, is less than the
+ * sum by this factor, so that what an edge sends goes evenly over the elements, */
+#define EDGE_ASIDE 3.0
+#define EDGE_FACE_ASIDE 8.0
+/* and the square of the sum is so many times wavelength / range, at least, so that it goes evenly along a piece of the edge. */
+#define EDGE_BENT 8.0
+/* Faces that take so few parts by the side keep their area. */
+#define FEW_PARTS 4.0
+/* So do those that are less high than this many wavelengths: whether an edge is seen could not be told from inside. */
+#define LEAST_HEIGHT_WL 0.25
+/* Whether that holds for a face is asked of its quarters, so many times over. */
+#define QUARTERINGS 3
 
 typedef struct finder {
     const asdic_simulator *sim;
@@ -54,7 +69,9 @@ typedef struct finder {
     double least_per_m2;         /* density that LEAST_OF_CELL asks for, 1 m away */
     float line[3];               /* the array's */
     double beams_from, beams_to; /* direction cosines along the line between which beams look */
+    double aside_m;              /* EDGE_ASIDE and EDGE_FACE_ASIDE times that */
     double half_m;               /* from the middle of the array, or of a face, to an end */
+    asdic_vec3 ahead[2];         /* the transmitter's axis, and that of elements */
     double tall_wl; /* of transmitter or element, the one that hears less of the water */
 } finder;
 
@@ -110,12 +127,12 @@ static void add_patch(finder *f, const asdic_piece *p, uint32_t count) {
         .triangle = p->triangle,
         .kind = p->kind,
         .folded = p->folded,
-        .smooth = p->smooth,
-        .key = {key.v[0] ^ (p->smooth ? 1u : 0u), key.v[1]},
+        .form = p->form,
+        .key = {key.v[0] ^ (p->form != DEV_FORM_ROUGH ? 1u : 0u), key.v[1]},
         .start = {plane ? STEP_1 * seed[0] : key.v[0], plane ? STEP_2 * seed[0] : key.v[1]},
     };
     all->slots += count;
-    all->smooth += p->smooth ? count : 0;
+    all->smooth += p->form != DEV_FORM_ROUGH ? count : 0;
 }
 
 static void cut_piece(finder *f, const asdic_piece *p);
@@ -161,6 +178,83 @@ static double parts_of(const finder *f, const asdic_piece *p, asdic_vec3 edge, d
     return most;
 }
 
+/* The edge of a smooth face: until equal parts of it, small enough, make it up. */
+static void cut_side(finder *f, const asdic_piece *p, double reach) {
+    double parts = fmax(ceil(parts_of(f, p, p->edge1, reach)), 1.0);
+    if (parts <= DEV_PATCH_SCATTERERS) {
+        add_patch(f, p, (uint32_t)parts);
+        return;
+    }
+    for (uint32_t k = 0; k < 2; k++) {
+        asdic_piece half = asdic_piece_half_side(p, k);
+        cut_piece(f, &half);
+    }
+}
+
+/* Whether a triangle lies in the sonar's water and in front of its faces, or all elsewhere: the edges of one that is cut know
+ * nothing of the cut. */
+static bool is_whole(const finder *f, const asdic_piece *p) {
+    const asdic_vec3 corner[3] = {p->corner, asdic_vec3_add(p->corner, p->edge1),
+                                  asdic_vec3_add(p->corner, p->edge2)};
+    const dev_ping *ping = f->shot->ping;
+    int above = 0, below = 0, behind[2] = {0, 0}, ways = 0;
+    for (int i = 0; i < 3; i++) {
+        double down = corner[i].z - f->at.z;
+        below += down > (double)ping->bottom_m + TOUCHING_M;
+        above += -down > (double)ping->surface_m + TOUCHING_M;
+        asdic_piece at = {.corner = corner[i]};
+        asdic_vec3 way[3];
+        size_t count = ways_to(f, &at, way);
+        for (size_t k = 0; k < count; k++, ways++) {
+            behind[0] += asdic_vec3_dot(f->ahead[0], way[k]) < 0.0;
+            behind[1] += asdic_vec3_dot(f->ahead[1], way[k]) < 0.0;
+        }
+    }
+    return above % 3 == 0 && below % 3 == 0 && behind[0] % ways == 0 && behind[1] % ways == 0;
+}
+
+/* Whether the edges of a triangle may stand for its area, by any pair of ways there and back. */
+static bool is_aside(const finder *f, const asdic_piece *p) {
+    double wavelength_m = f->shot->water.wavelength_m, reach = asdic_piece_reach(p);
+    asdic_vec3 normal = asdic_vec3_cross(p->edge1, p->edge2), way[3], flat[3];
+    double changes[3], least[3];
+    normal = asdic_vec3_scale(normal, 1.0 / asdic_vec3_length(normal));
+    size_t ways = ways_to(f, p, way);
+    for (size_t k = 0; k < ways; k++) {
+        double range = asdic_vec3_length(way[k]), near = range - reach;
+        if (!(near > f->half_m)) {
+            return false;
+        }
+        asdic_vec3 u = asdic_vec3_scale(as_met(way[k], k), 1.0 / range);
+        flat[k] = asdic_vec3_sub(u, asdic_vec3_scale(normal, asdic_vec3_dot(u, normal)));
+        changes[k] = reach / near;
+        least[k] = fmax(f->aside_m / near, sqrt(EDGE_BENT * wavelength_m / near));
+    }
+    for (size_t i = 0; i < ways; i++) {
+        for (size_t k = 0; k <= i; k++) {
+            double sum = asdic_vec3_length(asdic_vec3_add(flat[i], flat[k]));
+            bool is_pair = i == k || k == 0;
+            if (is_pair && sum - changes[i] - changes[k] < fmax(least[i], least[k])) {
+                return false;
+            }
+        }
+    }
+    return is_whole(f, p);
+}
+
+/* The same of a triangle, or of all its quarters. */
+static bool has_edges_alone(const finder *f, const asdic_piece *p, int quarterings) {
+    bool all = is_aside(f, p);
+    for (uint32_t k = 0; !all && quarterings > 0; k++) {
+        asdic_piece part = asdic_piece_quarter(p, k);
+        if (!has_edges_alone(f, &part, quarterings - 1)) {
+            return false;
+        }
+        all = k == 3;
+    }
+    return all;
+}
+
 /* A smooth piece: until equal parts of it, small enough, cover it. Cut in four it has borders along its own edges, where what
  * parts of different size leave out matters least; slivers are cut across. */
 static void cut_smooth(finder *f, const asdic_piece *p, double reach, double area) {
@@ -173,8 +267,14 @@ static void cut_smooth(finder *f, const asdic_piece *p, double reach, double are
         longest = length > longest_m ? i : longest;
         longest_m = fmax(longest_m, length);
     }
-    double across = fmax(parts * 2.0 * area / (longest_m * longest_m), 1.0);
-    if (parts > SLIVER * across) {
+    double height_m = 2.0 * area / longest_m, across = fmax(parts * height_m / longest_m, 1.0);
+    bool large = parts > FEW_PARTS && height_m > LEAST_HEIGHT_WL * f->shot->water.wavelength_m;
+    if (large && has_edges_alone(f, p, QUARTERINGS)) {
+        for (int k = 0; k < 3; k++) {
+            asdic_piece side = asdic_piece_side(p, k);
+            cut_piece(f, &side);
+        }
+    } else if (parts > SLIVER * across) {
         for (uint32_t k = 0; k < 2; k++) {
             asdic_piece half = asdic_piece_half(p, longest, k);
             cut_piece(f, &half);
@@ -212,11 +312,18 @@ static void look_at_beams(finder *f) {
     /* Where an element looks as high as the transmitter does, the taller one. */
     const asdic_beam *faces[] = {&sonar->transmitter, &sonar->array.element};
     f->half_m = 0.5 * sonar->array.spacing_m * (double)(sonar->array.elements - 1);
+    f->aside_m = EDGE_ASIDE * f->half_m;
     for (int k = 0; k < 2; k++) {
-        f->half_m = fmax(f->half_m, 0.5 * fmax(faces[k]->length_h_m, faces[k]->length_v_m));
+        double half_m = 0.5 * fmax(faces[k]->length_h_m, faces[k]->length_v_m);
+        f->half_m = fmax(f->half_m, half_m);
+        f->aside_m = fmax(f->aside_m, EDGE_FACE_ASIDE * half_m);
     }
     const float *ahead = beams[0].rows, *down = element.rows + 6;
     double apart = fabs(ahead[0] * down[0] + ahead[1] * down[1] + ahead[2] * down[2]);
+    for (int k = 0; k < 2; k++) {
+        const float *axis = k ? element.rows : ahead;
+        f->ahead[k] = (asdic_vec3){axis[0], axis[1], axis[2]};
+    }
     bool alike = apart * element.length_v_wl < 0.5;
     f->tall_wl = fmax(beams[0].length_v_wl, alike ? element.length_v_wl : 0.0f);
     memcpy(f->line, element.rows + 3, sizeof f->line);
@@ -267,7 +374,11 @@ static void cut_piece(finder *f, const asdic_piece *p) {
     if (asked.wanted == 0.0 || asked.farthest_m + reach < ping->blanking_m) {
         return;
     }
-    if (p->smooth) {
+    if (p->form == DEV_FORM_EDGE) {
+        cut_side(f, p, reach);
+        return;
+    }
+    if (p->form == DEV_FORM_FACE) {
         cut_smooth(f, p, reach, area);
         return;
     }
@@ -334,7 +445,7 @@ static void cut_triangle(finder *f, size_t index) {
     }
     /* As many smooth ones as phase asks for: they are not counted first. */
     if (f->out && mirrors && law->roughness_g < MOST_ROUGHNESS) {
-        p.smooth = true;
+        p.form = DEV_FORM_FACE;
         cut_piece(f, &p);
     }
 }
@@ -349,7 +460,7 @@ static void cut_surfaces(finder *f) {
         cut_plane(f, 0.0, DEV_KIND_SURFACE);
     }
     bool objects = !(sim->setup.sampling.left_out & (1u << ASDIC_TERM_OBJECTS));
-    for (size_t i = 0; sim->tracer && i < scene->triangle_count; i++) {
+    for (size_t i = 0; i < scene->triangle_count; i++) {
         const dev_triangle *t = asdic_placement_triangle(sim->placement, i);
         if (objects || scene->parts[t->part].kind == DEV_KIND_BOTTOM) {
             cut_triangle(f, i);

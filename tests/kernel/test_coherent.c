@@ -114,7 +114,8 @@ static double *sum_elements(const dev_coherent *c, const dev_echo *echoes, size_
                    first = (way - reach) / c->sample_m - 0.5;
             for (size_t n = (size_t)fmax(ceil(first), (double)begin);
                  n < samples && (n + 0.5) * c->sample_m <= way + reach; n++) {
-                double s = pulse_at(way - (n + 0.5) * (double)c->sample_m, 1.0 / c->pulse_m);
+                double s = (1.0 + (echoes[i].tilt + echoes[i].bend * y) * y) *
+                           pulse_at(way - (n + 0.5) * (double)c->sample_m, 1.0 / c->pulse_m);
                 double *to = p + 2 * (e * samples + n);
                 to[0] += s * (turn.re * echoes[i].re - turn.im * echoes[i].im);
                 to[1] += s * (turn.re * echoes[i].im + turn.im * echoes[i].re);
