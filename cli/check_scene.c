@@ -13,9 +13,10 @@ typedef struct scene_numbers {
     double sound_speed_mps, absorption_db_per_km, range_m, duration_s;
     asdic_scene_info info;
     asdic_ray_forecast rays;
+    asdic_coherent_forecast coherent; /* nought where pings are of intensities */
 } scene_numbers;
 
-static scene_numbers find_numbers(const asdic_mission *m) {
+static asdic_status find_numbers(cli *c, asdic_mission *m, scene_numbers *out) {
     const asdic_sonar *sonar = asdic_mission_sonar(m);
     const asdic_environment *env = asdic_mission_environment(m);
     scene_numbers n = {.pings = asdic_mission_ping_count(m), .beams = sonar->receiver_count};
@@ -30,7 +31,10 @@ static scene_numbers find_numbers(const asdic_mission *m) {
     n.bins = asdic_sonar_bin_count(sonar, n.sound_speed_mps);
     n.info = asdic_scene_get_info(asdic_mission_scene(m));
     n.rays = asdic_mission_ray_forecast(m);
-    return n;
+    *out = n;
+    return asdic_mission_sampling(m)->coherent
+               ? asdic_mission_forecast_coherent(cli_context(c), m, &out->coherent)
+               : ASDIC_OK;
 }
 
 static const char *bottom_kind(const asdic_mission *m, const scene_numbers *n) {
@@ -78,6 +82,14 @@ static void print_json(const char *path, const asdic_mission *m, const scene_num
     json_integer(j, "rays", n->rays.rays);
     json_bool(j, "rays_auto", n->rays.is_auto);
     json_number(j, "expected_stderr_db", n->rays.stderr_db);
+    if (asdic_mission_sampling((asdic_mission *)m)->coherent) {
+        json_open(j, "coherent", '{');
+        json_integer(j, "scatterers", n->coherent.scatterers);
+        json_integer(j, "bytes", n->coherent.bytes);
+        json_bool(j, "fits", n->coherent.fits);
+        json_number(j, "processor_s", n->coherent.processor_s);
+        json_close(j);
+    }
     cli_json_remarks(j, m);
     cli_json_size(j, m);
     json_integer(j, "triangles", n->info.triangles);
@@ -147,7 +159,14 @@ static void print_text(const char *path, asdic_mission *m, const scene_numbers *
            sonar->blanking_m, n->range_m);
     printf("  rays        %u a ping%s", n->rays.rays, n->rays.is_auto ? " (auto)" : "");
     if (asdic_mission_sampling(m)->coherent) {
-        printf(", as scatterers of coherent pings; more where cells or smooth bodies take more\n");
+        char bytes[ASDIC_BYTES_TEXT];
+        printf(", as scatterers of coherent pings\n");
+        printf(
+            "  scatterers  %s%zu a ping, where cells and smooth bodies take what they need; %s of "
+            "memory%s, about %.2g s of processor time\n",
+            n->coherent.fits ? "" : "more than ", n->coherent.scatterers,
+            asdic_bytes_text(n->coherent.bytes, bytes),
+            n->coherent.fits ? "" : ", which there is not", n->coherent.processor_s);
     } else if (isnan(n->rays.stderr_db)) {
         printf(", for an error that 'asdic plan' measures\n");
     } else {
@@ -176,7 +195,12 @@ static void print_text(const char *path, asdic_mission *m, const scene_numbers *
 asdic_status check_scene(cli *c, const char *path, json *j) {
     asdic_mission *mission = NULL;
     TRY(asdic_mission_load(cli_context(c), path, &mission));
-    scene_numbers numbers = find_numbers(mission);
+    scene_numbers numbers;
+    asdic_status status = find_numbers(c, mission, &numbers);
+    if (status) {
+        asdic_mission_destroy(&mission);
+        return status;
+    }
     if (j) {
         print_json(path, mission, &numbers, j);
     } else if (!cli_quiet(c)) {

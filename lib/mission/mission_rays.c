@@ -8,6 +8,7 @@
 #include "base/context.h"
 #include "base/sort.h"
 #include "base/try.h"
+#include "sim/coherent.h"
 
 #include <math.h>
 
@@ -47,6 +48,50 @@ asdic_ray_forecast asdic_mission_ray_forecast(const asdic_mission *mission) {
                                 .auto_rays = asdic_rays_auto(&s->sonar, c_mps, s->rays_over),
                                 .stderr_db = error_db,
                                 .is_rough = error_db > ASDIC_ROUGH_DB};
+}
+
+/* --- found by looking for scatterers ---------------------------------------------------------- */
+
+static asdic_status foresee(const asdic_mission *mission, asdic_simulator *sim,
+                            asdic_coherent_forecast *out) {
+    size_t last = asdic_mission_ping_count(mission) - 1;
+    const size_t pings[] = {0, last / 2, last};
+    for (size_t k = 0; k < 3; k++) {
+        asdic_coherent_forecast one;
+        asdic_pose pose = asdic_mission_pose(mission, pings[k], NULL);
+        if (k > 0 && pings[k] == pings[k - 1]) {
+            continue;
+        }
+        TRY(asdic_mission_place(mission, sim, pings[k]));
+        TRY(asdic_coherent_foresee(sim, &pose, &one));
+        *out = one.scatterers > out->scatterers ? one : *out;
+    }
+    return ASDIC_OK;
+}
+
+asdic_status asdic_mission_forecast_coherent(asdic_context *ctx, const asdic_mission *mission,
+                                             asdic_coherent_forecast *out) {
+    if (!mission || !out) {
+        return asdic_fail_null(ctx, __func__);
+    }
+    const asdic_settings *s = &mission->settings;
+    if (!s->sampling.coherent) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "pings are of intensities, not coherent");
+    }
+    const asdic_device_info processor = {.kind = ASDIC_DEVICE_CPU, .compute_units = 1};
+    asdic_layout layout = asdic_layout_default(&processor);
+    asdic_sampling sampling = s->sampling;
+    asdic_plan plan;
+    TRY(asdic_mission_plan(ctx, mission, &plan));
+    sampling.left_out = plan.left_out; /* as a run does */
+    double depth_m = asdic_mission_pose(mission, 0, NULL).position_m.z;
+    asdic_simulator *sim = NULL;
+    *out = (asdic_coherent_forecast){0};
+    TRY(asdic_simulator_create_with(ctx, NULL, mission->scene, &s->environment, &s->sonar,
+                                    &sampling, depth_m, &layout, &sim));
+    asdic_status status = foresee(mission, sim, out);
+    asdic_simulator_destroy(&sim);
+    return status;
 }
 
 /* --- found by simulating ---------------------------------------------------------------------- */

@@ -535,6 +535,63 @@ asdic_status asdic_coherent_ping(asdic_simulator *sim, const asdic_pose *pose, u
     return fetch_elements(sim, c, source_lin, out);
 }
 
+/* Of the ways by mirrors so many are heard, and sorted and summed: others lead to the plane itself, or beyond the range. */
+#define HEARD_BY_MIRRORS 0.25
+
+static double heard_ways(const asdic_simulator *sim) {
+    return 1.0 + HEARD_BY_MIRRORS * (double)(ways_of(sim) - 1);
+}
+
+/* Bytes of COUNT patches and of their SLOTS that are used, on host and device. */
+static uint64_t bytes_of(const asdic_simulator *sim, size_t count, size_t slots) {
+    size_t traced = sim->setup.scene->triangle_count > 0 ? sizeof(dev_ray) + sizeof(dev_hit) : 0;
+    size_t place = 4 * sizeof(float) + sizeof(uint32_t) + traced;
+    size_t shaded = ways_of(sim) * (sizeof(dev_echo) + sizeof(uint32_t));
+    double each = (double)(place + shaded) + heard_ways(sim) * (double)sizeof(dev_echo);
+    return (uint64_t)(1.125 * (double)slots * each) + 3 * count * sizeof(dev_patch);
+}
+
+/* Processor time, s: of a scatterer to be placed, to be traced, and to be shaded for a pair of ways; of its sum with a sample of an
+ * element; of a sample of an element in a beam; of a sample's noise. Measured with AVX2, both threads of a core busy. */
+#define PLACE_S 150e-9
+#define TRACE_S 50e-9
+#define SHADE_S 100e-9
+#define ECHO_SAMPLE_S 0.48e-9
+#define BEAM_SAMPLE_S 0.4e-9
+#define NOISE_SAMPLE_S 20e-9
+
+/* Of a ping with so many SLOTS. */
+static double processor_s_of(const asdic_simulator *sim, const asdic_coherent_grid *grid,
+                             double slots) {
+    const asdic_sonar *sonar = &sim->setup.sonar;
+    double elements = (double)sonar->array.elements, beams = (double)sonar->receiver_count;
+    double samples = (double)grid->samples, looks = (double)grid->looks;
+    double reach = 2.0 * (double)PULSE_REACH * SAMPLES_OF_PULSE + 1.0;
+    double place_s = PLACE_S + (sim->setup.scene->triangle_count > 0 ? TRACE_S : 0.0);
+    return slots * (place_s + (double)ways_of(sim) * SHADE_S +
+                    heard_ways(sim) * elements * reach * ECHO_SAMPLE_S) +
+           beams * looks * elements * SAMPLES_OF_PULSE * BEAM_SAMPLE_S +
+           (sonar->noise_enabled ? samples * elements * NOISE_SAMPLE_S : 0.0);
+}
+
+asdic_status asdic_coherent_foresee(asdic_simulator *sim, const asdic_pose *pose,
+                                    asdic_coherent_forecast *out) {
+    asdic_ping_shot *shot = &sim->shots[0];
+    asdic_patches found = {.most = (size_t)(asdic_memory_left() / (ways_of(sim) * SLOT_BYTES))};
+    asdic_shot_aim(sim, shot, pose, 0, ASDIC_STREAM_PING, sim->setup.sampling.rays);
+    asdic_coherent_grid grid = asdic_coherent_grid_of(
+        &sim->setup.sonar, shot->water.sound_speed_mps, asdic_simulator_bin_count(sim));
+    asdic_status status = asdic_patches_find(sim, shot, &found);
+    *out = (asdic_coherent_forecast){
+        .scatterers = found.slots,
+        .bytes = bytes_of(sim, found.count, found.slots),
+        .fits = found.slots <= found.most,
+        .processor_s = processor_s_of(sim, &grid, (double)found.slots),
+    };
+    asdic_patches_finish(&found);
+    return status;
+}
+
 asdic_status asdic_coherent_echoes(asdic_simulator *sim, dev_echo **echoes, size_t *count) {
     asdic_coherent *c = sim->coherent;
     uint32_t end = 0;

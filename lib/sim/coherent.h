@@ -6,6 +6,8 @@
 
 #include "simulator.h"
 
+#include <asdic/mission.h>
+
 #include "../../kernels/coherent.h"
 
 /* What a coherent sonar's samples and looks are. */
@@ -38,6 +40,10 @@ void asdic_coherent_destroy(asdic_coherent **coherent);
 /* Ping INDEX at POSE; the pressures, too, where OUT has room for them. */
 asdic_status asdic_coherent_ping(asdic_simulator *sim, const asdic_pose *pose, uint64_t index,
                                  asdic_ping *out);
+
+/* What a ping at POSE will take, by a simulator without a device. */
+asdic_status asdic_coherent_foresee(asdic_simulator *sim, const asdic_pose *pose,
+                                    asdic_coherent_forecast *out);
 
 /* For tests: the scatterers of the latest ping, in the order in which they are summed; *COUNT of them, to be
  * freed. */

@@ -306,7 +306,7 @@ static asdic_status make_view(asdic_simulator *sim, lifted_view *view) {
         scene = view->lifted;
     }
     TRY(asdic_placement_create(scene, &view->placement));
-    if (needs_triangles(sim)) {
+    if (sim->device && needs_triangles(sim)) {
         TRY(asdic_tracer_create(sim->device, scene, &view->tracer));
         asdic_tracer_wait(view->tracer, FEW_RAYS);
     }
@@ -334,8 +334,8 @@ static asdic_status bring_scene(asdic_simulator *sim, const asdic_water_column *
     swap_view(sim, &view);
     TRY(status);
     TRY(make_scatterers(sim, water));
-    TRY(upload_materials(sim));
-    TRY(upload_parts(sim));
+    TRY(sim->device ? upload_materials(sim) : ASDIC_OK);
+    TRY(sim->device ? upload_parts(sim) : ASDIC_OK);
     sim->setup.has_mirrors = scene_has_mirrors(sim);
     sim->setup.components = sim->setup.has_mirrors ? DEV_DEPOSIT_COUNT
                             : scene_echoes(sim)    ? DEV_DEPOSIT_OBJECT + 1u
@@ -502,6 +502,9 @@ static asdic_status furnish(asdic_simulator *sim, const asdic_water_column *wate
     sim->setup.ping_batch = ping_batch_size(sim);
     TRY(asdic_store_create_host(sim));
     asdic_simulator_prepare(sim, water);
+    if (!sim->device) {
+        return ASDIC_OK; /* it foresees */
+    }
     if (!sim->setup.sampling.coherent) {
         TRY(create_kernels(sim));
     }
@@ -582,7 +585,9 @@ void asdic_simulator_destroy(asdic_simulator **pointer) {
         return;
     }
     asdic_simulator *sim = *pointer;
-    asdic_device_finish(sim->device); /* it may still read what a failed ping sent */
+    if (sim->device) {
+        asdic_device_finish(sim->device); /* it may still read what a failed ping sent */
+    }
     asdic_kernel_destroy(&sim->kernels.sample);
     asdic_kernel_destroy(&sim->kernels.shade);
     asdic_kernel_destroy(&sim->kernels.volume);

@@ -252,7 +252,7 @@ struct asdic_simulator {
 /* Whether a simulator's sonar may be so deep. */
 asdic_status asdic_simulator_check_depth(asdic_context *ctx, double depth_m);
 
-/* asdic_simulator_create with a layout of the caller's. */
+/* asdic_simulator_create with a layout of the caller's. Without a DEVICE it makes no pings, but aims them. */
 asdic_status asdic_simulator_create_with(asdic_context *ctx, asdic_device *device,
                                          const asdic_scene *scene, const asdic_environment *env,
                                          const asdic_sonar *sonar, const asdic_sampling *sampling,

@@ -304,6 +304,45 @@ def test_intensities_of_thin_elements_are_those_of_the_array():
         tap.equal(abs(apart_db) < 2, True, f"beam {beam}: {part} of coherent pings {apart_db:.1f} dB above")
 
 
+def test_check_foretells_scatterers():
+    """Without a device check finds as many as a ping then has: over sand, by mirrors, and of a smooth wall of 2,000 by 2,000
+    wavelengths, whose edges do for its area: cut to a quarter of a wavelength it had 57 million."""
+    need_device()
+    wall = """version: 1
+environment: {sound_speed_mps: 1500}
+bottom: none
+objects:
+  - {name: wall, plate: {size_m: [10, 10]}, position_m: [15, 0, 20], rotation_deg: [0, 0, 30],
+     material: {preset: steel, roughness_rms_mm: 0, slope_rms: 0}}
+sonar:
+  frequency_khz: 300
+  bandwidth_khz: 30
+  bin_length_m: 0.025
+  max_range_m: 30
+  transmitter: {length_h_m: 0.0025, length_v_m: 0.01}
+  array: {elements: 64, spacing_wl: 0.5, element: {length_v_m: 0.01}, beams: {count: 4, sector_deg: 90}}
+mission: {pose: {position_m: [0, 0, 20]}}
+sampling: {coherent: true, rays: 2000}
+"""
+    scenes = {"sand": SCENE, "mirrors": SCENE.replace("coherent: true", "coherent: true, multipath: boundaries"),
+              "wall": wall}
+    with Folder() as folder:
+        for name, scene in scenes.items():
+            folder.write(f"{name}.yaml", scene)
+            asdic("run", "-q", f"{name}.yaml", "-o", name, cwd=folder.path).check(0)
+            checked = json.loads(asdic("check", "--json", f"{name}.yaml", cwd=folder.path).check(0).out)
+            checked = checked[0] if isinstance(checked, list) else checked
+            found = checked["coherent"]
+            traced = facts(folder, name)["rays_traced"] / checked["pings"]
+            tap.equal(abs(found["scatterers"] / traced - 1) < 0.02, True, (name, found, traced))
+            tap.equal((found["fits"], found["bytes"] > 60 * found["scatterers"]), (True, True), found)
+            tap.equal(0.1e-6 < found["processor_s"] / found["scatterers"] < 10e-6, True, found)
+            if name == "wall":
+                tap.equal(found["scatterers"] < 30000, True, found)
+            text = asdic("check", f"{name}.yaml", cwd=folder.path).check(0).out
+            tap.contains(text, f"  scatterers  {found['scatterers']} a ping")
+
+
 def test_a_smooth_plate_is_silent_off_its_mirror_direction():
     """An upright plate at the sonar's depth answers straight back; by way of the surface it throws its echo past the
     sonar, however large its pieces are."""

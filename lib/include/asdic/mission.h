@@ -312,6 +312,19 @@ typedef struct asdic_ray_forecast {
 
 ASDIC_API asdic_ray_forecast asdic_mission_ray_forecast(const asdic_mission *mission);
 
+/* What a coherent ping takes: the most of the mission's first, middle and last. */
+typedef struct asdic_coherent_forecast {
+    size_t scatterers;  /* of bottom, surface, water and objects */
+    uint64_t bytes;     /* of memory for them */
+    bool fits;          /* there is so much; else there are more scatterers than these */
+    double processor_s; /* on a processor of 3 GHz with AVX2, over all of its cores */
+} asdic_coherent_forecast;
+
+/* Finds the scatterers, without a device. ASDIC_ERROR_ARGUMENT if pings are of intensities. */
+ASDIC_API asdic_status asdic_mission_forecast_coherent(asdic_context *ctx,
+                                                       const asdic_mission *mission,
+                                                       asdic_coherent_forecast *out);
+
 /* Why a tolerance cannot be kept: a bin's stated error, dB. */
 typedef struct asdic_rough_bin {
     size_t ping, beam, bin;
