@@ -173,8 +173,9 @@ asdic_status asdic_beam_fan_project(asdic_beam_fan *fan, const dev_ping *ping,
         if (ping->batch.last) {
             TRY(asdic_buffer_fetch(results, first * rows * sizeof(float), bytes,
                                    host_results + first * rows, &fan->fetches[tile]));
-            TRY(asdic_buffer_fetch(truth->cells, tile * truth->tile_bytes, truth->tile_bytes,
-                                   (char *)truth->host_cells + tile * truth->tile_bytes,
+            char *cells = truth->host_cells; /* NULL without truth */
+            cells = cells ? cells + tile * truth->tile_bytes : NULL;
+            TRY(asdic_buffer_fetch(truth->cells, tile * truth->tile_bytes, truth->tile_bytes, cells,
                                    &fan->fetches[fan->tiles + tile]));
         }
     }
