@@ -1,6 +1,7 @@
 #include "problems.h"
 
 #include "context.h"
+#include "grow.h"
 
 #include <stdarg.h>
 #include <stdio.h>
@@ -16,15 +17,10 @@ void asdic_problems_add(asdic_problems *problems, unsigned line, unsigned column
     if (problems->count == MOST_REPORTED) {
         return;
     }
-    if (problems->count == problems->capacity) {
-        size_t capacity = problems->capacity ? 2 * problems->capacity : 16;
-        asdic_problem *items = realloc(problems->items, capacity * sizeof *items);
-        if (!items) {
-            problems->out_of_memory = true;
-            return;
-        }
-        problems->items = items;
-        problems->capacity = capacity;
+    if (!asdic_grow(&problems->items, problems->count, &problems->capacity,
+                    sizeof *problems->items)) {
+        problems->out_of_memory = true;
+        return;
     }
     asdic_problem *problem = &problems->items[problems->count];
     va_list args;

@@ -1,6 +1,7 @@
 #include "tabulate.h"
 
 #include "base/context.h"
+#include "base/grow.h"
 #include "base/try.h"
 #include "base/vec.h"
 
@@ -62,17 +63,11 @@ static double log2_at(const builder *b, double key) {
 }
 
 static void push(asdic_law_words *out, uint32_t word, bool *failed) {
-    if (out->count == out->capacity) {
-        size_t capacity = out->capacity ? 2 * out->capacity : 4096;
-        uint32_t *grown = realloc(out->words, capacity * sizeof *grown);
-        *failed |= !grown;
-        if (!grown) {
-            return;
-        }
-        out->words = grown;
-        out->capacity = capacity;
+    if (asdic_grow(&out->words, out->count, &out->capacity, sizeof *out->words)) {
+        out->words[out->count++] = word;
+    } else {
+        *failed = true;
     }
-    out->words[out->count++] = word;
 }
 
 /* One leaf from key BEGIN to END, or, where it errs, two of half the length. */

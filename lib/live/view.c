@@ -3,6 +3,7 @@
 #include "base/clock.h"
 #include "base/context.h"
 #include "base/decibel.h"
+#include "base/grow.h"
 #include "base/try.h"
 #include "base/vec.h"
 #include "loop.h"
@@ -210,14 +211,9 @@ static asdic_status remember(asdic_view *view) {
         asdic_polar_add(&view->polar, view->ping.ping,
                         view->ping.level_db + view->beam * view->ping.bins);
     }
-    if (view->trail_count == view->trail_capacity) {
-        size_t capacity = view->trail_capacity ? 2 * view->trail_capacity : 1024;
-        asdic_vec3 *trail = realloc(view->trail_m, capacity * sizeof *trail);
-        if (!trail) {
-            return asdic_fail_memory(view->ctx, "the way flown");
-        }
-        view->trail_m = trail;
-        view->trail_capacity = capacity;
+    if (!asdic_grow(&view->trail_m, view->trail_count, &view->trail_capacity,
+                    sizeof *view->trail_m)) {
+        return asdic_fail_memory(view->ctx, "the way flown");
     }
     view->trail_m[view->trail_count++] = view->ping.pose.position_m;
     return ASDIC_OK;

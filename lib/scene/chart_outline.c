@@ -7,6 +7,7 @@
 #include "scene.h"
 
 #include "base/context.h"
+#include "base/grow.h"
 #include "base/vec.h"
 
 #include <math.h>
@@ -138,15 +139,9 @@ static void reach_out(const charter *c, piece *pieces) {
 }
 
 static asdic_outline *add_outline(charter *c, const char *name) {
-    if (c->count == c->capacity) {
-        size_t capacity = c->capacity ? 2 * c->capacity : 16;
-        asdic_outline *more = realloc(c->outlines, capacity * sizeof *more);
-        if (!more) {
-            asdic_fail_memory(c->ctx, "outlines of objects");
-            return NULL;
-        }
-        c->outlines = more;
-        c->capacity = capacity;
+    if (!asdic_grow(&c->outlines, c->count, &c->capacity, sizeof *c->outlines)) {
+        asdic_fail_memory(c->ctx, "outlines of objects");
+        return NULL;
     }
     asdic_outline *outline = &c->outlines[c->count++];
     *outline = (asdic_outline){0};

@@ -4,6 +4,7 @@
 
 #include "../base/context.h"
 #include "base/file_read.h"
+#include "base/grow.h"
 #include "base/number.h"
 
 #include <errno.h>
@@ -100,15 +101,9 @@ bool asdic_line_take_integer(asdic_line *line, long long *out) {
 
 asdic_status asdic_mesh_scan_add_vertex(asdic_mesh_scan *scan, const double v[3],
                                         size_t *capacity) {
-    if (scan->vertices == *capacity) {
-        size_t wanted = *capacity ? 2 * *capacity : 1024;
-        double *grown = realloc(scan->vertices_m, 3 * wanted * sizeof *grown);
-        if (!grown) {
-            return asdic_fail(scan->ctx, ASDIC_ERROR_MEMORY, "%s: out of memory for %zu vertices",
-                              scan->path, wanted);
-        }
-        scan->vertices_m = grown;
-        *capacity = wanted;
+    if (!asdic_grow(&scan->vertices_m, scan->vertices, capacity, 3 * sizeof *v)) {
+        return asdic_fail(scan->ctx, ASDIC_ERROR_MEMORY, "%s: out of memory for %zu vertices",
+                          scan->path, scan->vertices + 1);
     }
     memcpy(&scan->vertices_m[3 * scan->vertices++], v, 3 * sizeof *v);
     return ASDIC_OK;

@@ -1,6 +1,7 @@
 #include "coherence.h"
 
 #include "base/context.h"
+#include "base/grow.h"
 #include "ring.h"
 
 #include <stdlib.h>
@@ -90,17 +91,11 @@ static bool is_full(const search *s) {
 }
 
 static void add(search *s, uint64_t direction, double weight) {
-    if (s->count == s->capacity) {
-        size_t room = 2 * s->capacity + 1024;
-        tap *larger = realloc(s->taps, room * sizeof *larger);
-        if (!larger) {
-            s->failed = true;
-            return;
-        }
-        s->taps = larger;
-        s->capacity = room;
+    if (asdic_grow(&s->taps, s->count, &s->capacity, sizeof *s->taps)) {
+        s->taps[s->count++] = (tap){direction, s->receiver, (float)weight};
+    } else {
+        s->failed = true;
     }
-    s->taps[s->count++] = (tap){direction, s->receiver, (float)weight};
 }
 
 /* Adds the directions of a block; a large block is divided, and only the parts that matter are taken. */

@@ -17,6 +17,7 @@
 #include "expected_bent.h"
 
 #include "base/context.h"
+#include "base/grow.h"
 #include "base/quadrature.h"
 #include "base/sort.h"
 #include "base/try.h"
@@ -344,14 +345,8 @@ static bool is_beyond(bent_job *job, const stretch *w, double s, double range_m)
 }
 
 static asdic_status append(asdic_context *ctx, cut_list *cuts, double s) {
-    if (cuts->count == cuts->capacity) {
-        size_t capacity = cuts->capacity ? 2 * cuts->capacity : 256;
-        double *grown = realloc(cuts->s, capacity * sizeof *grown);
-        if (!grown) {
-            return asdic_fail_memory(ctx, "an expected ping");
-        }
-        cuts->s = grown;
-        cuts->capacity = capacity;
+    if (!asdic_grow(&cuts->s, cuts->count, &cuts->capacity, sizeof *cuts->s)) {
+        return asdic_fail_memory(ctx, "an expected ping");
     }
     cuts->s[cuts->count++] = s;
     return ASDIC_OK;

@@ -1,6 +1,7 @@
 #include "ring_profile.h"
 
 #include "base/context.h"
+#include "base/grow.h"
 #include "base/try.h"
 
 #include <stdlib.h>
@@ -103,14 +104,8 @@ static bool converged(const double *c) {
 }
 
 static asdic_status append(asdic_context *ctx, asdic_ring_profile *p, const piece *add) {
-    if (p->count == p->capacity) {
-        size_t capacity = p->capacity ? 2 * p->capacity : 64;
-        piece *pieces = realloc(p->pieces, capacity * sizeof *pieces);
-        if (!pieces) {
-            return asdic_fail_memory(ctx, "the profile of a beam");
-        }
-        p->pieces = pieces;
-        p->capacity = capacity;
+    if (!asdic_grow(&p->pieces, p->count, &p->capacity, sizeof *p->pieces)) {
+        return asdic_fail_memory(ctx, "the profile of a beam");
     }
     p->pieces[p->count++] = *add;
     return ASDIC_OK;

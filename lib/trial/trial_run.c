@@ -3,6 +3,7 @@
 #include "trial_hazards.h"
 
 #include "base/context.h"
+#include "base/grow.h"
 #include "base/try.h"
 #include "base/vec.h"
 #include "mission/track/flight.h"
@@ -205,14 +206,8 @@ static asdic_pose pose_of(const flight_state *s) {
 }
 
 static asdic_status keep_moment(run *r) {
-    if (r->moment_count == r->moment_capacity) {
-        size_t capacity = 2 * r->moment_capacity + 64;
-        moment *grown = realloc(r->moments, capacity * sizeof *grown);
-        if (!grown) {
-            return asdic_fail_memory(r->ctx, "a run of a trial");
-        }
-        r->moments = grown;
-        r->moment_capacity = capacity;
+    if (!asdic_grow(&r->moments, r->moment_count, &r->moment_capacity, sizeof *r->moments)) {
+        return asdic_fail_memory(r->ctx, "a run of a trial");
     }
     r->moments[r->moment_count++] = (moment){r->pilot, r->time_s};
     if (r->job->track) {

@@ -3,6 +3,7 @@
 #include "base/context.h"
 #include "base/file_name.h"
 #include "base/file_read.h"
+#include "base/grow.h"
 #include "base/number.h"
 #include "base/try.h"
 #include "base/vec.h"
@@ -87,13 +88,8 @@ static asdic_status parse_outlines(scan *s, asdic_chart_data *out) {
             return ASDIC_ERROR_INPUT;
         }
         if (number != last) {
-            if (out->outline_count == capacity) {
-                capacity = capacity ? 2 * capacity : 16;
-                asdic_outline *more = realloc(out->outlines, capacity * sizeof *more);
-                if (!more) {
-                    return ASDIC_ERROR_MEMORY;
-                }
-                out->outlines = more;
+            if (!asdic_grow(&out->outlines, out->outline_count, &capacity, sizeof *out->outlines)) {
+                return ASDIC_ERROR_MEMORY;
             }
             asdic_outline *o = &out->outlines[out->outline_count++];
             *o = (asdic_outline){0};

@@ -1,5 +1,6 @@
 #include "track.h"
 
+#include "base/grow.h"
 #include "base/vec.h"
 
 #include <stdlib.h>
@@ -20,17 +21,11 @@ asdic_track *asdic_track_share(asdic_track *track) {
 }
 
 bool asdic_track_append(asdic_track *track, const track_point *point) {
-    if (track->count == track->capacity) {
-        size_t capacity = track->capacity ? 2 * track->capacity : 256;
-        track_point *points = realloc(track->points, capacity * sizeof *points);
-        if (!points) {
-            return false;
-        }
-        track->points = points;
-        track->capacity = capacity;
+    bool good = asdic_grow(&track->points, track->count, &track->capacity, sizeof *point);
+    if (good) {
+        track->points[track->count++] = *point;
     }
-    track->points[track->count++] = *point;
-    return true;
+    return good;
 }
 
 size_t asdic_track_point_count(const asdic_track *track) {
