@@ -31,48 +31,40 @@ static asdic_helm *helm_of(asdic_view *view) {
     return &view->helm;
 }
 
-static void faster(asdic_view *v) {
-    asdic_helm_change_speed(helm_of(v), 0.25);
+/* What a key does, BY how much where keys differ in that alone. */
+static void change_speed(asdic_view *v, double by_mps) {
+    asdic_helm_change_speed(helm_of(v), by_mps);
 }
-static void slower(asdic_view *v) {
-    asdic_helm_change_speed(helm_of(v), -0.25);
+
+static void turn_rudder(asdic_view *v, double by) {
+    asdic_helm_change_rudder(helm_of(v), by);
 }
-static void to_port(asdic_view *v) {
-    asdic_helm_change_rudder(helm_of(v), -0.25);
+
+static void turn_planes(asdic_view *v, double by) {
+    asdic_helm_change_planes(helm_of(v), by);
 }
-static void to_starboard(asdic_view *v) {
-    asdic_helm_change_rudder(helm_of(v), 0.25);
-}
-static void amidships(asdic_view *v) {
-    asdic_helm_change_rudder(helm_of(v), 0.0);
-}
-static void rise(asdic_view *v) {
-    asdic_helm_change_planes(helm_of(v), -0.25);
-}
-static void dive(asdic_view *v) {
-    asdic_helm_change_planes(helm_of(v), 0.25);
-}
-static void hold(asdic_view *v) {
+
+static void hold(asdic_view *v, double by) {
+    (void)by;
     asdic_helm_toggle_hold(helm_of(v));
 }
 
-static void by_mission(asdic_view *v) {
+static void by_mission(asdic_view *v, double by) {
+    (void)by;
     if (v->is_manual) {
         v->is_manual = false;
         asdic_view_say(v, "flown by the mission again, from ping %zu", v->mission_ping);
     }
 }
 
-static void pause_or_go(asdic_view *v) {
-    v->is_paused = !v->is_paused;
-    v->steps_allowed = 0;
-}
-static void one_step(asdic_view *v) {
-    v->is_paused = true;
-    v->steps_allowed = 1;
+/* STEPS more pings, none: goes on where it paused. */
+static void pause_for(asdic_view *v, double steps) {
+    v->is_paused = steps > 0.0 || !v->is_paused;
+    v->steps_allowed = (unsigned)steps;
 }
 
-static void record(asdic_view *v) {
+static void record(asdic_view *v, double by) {
+    (void)by;
     if (!v->options.folder) {
         asdic_view_say(v, "no folder to record to: start with --output DIR");
         return;
@@ -80,52 +72,47 @@ static void record(asdic_view *v) {
     v->wants_recording = !v->wants_recording;
 }
 
-static void quit(asdic_view *v) {
+static void quit(asdic_view *v, double by) {
+    (void)by;
     v->is_quit = true;
 }
 
-static size_t beams_of(const asdic_view *v) {
-    return asdic_mission_sonar(v->mission)->receiver_count;
+static void beam(asdic_view *v, double by) {
+    size_t beams = asdic_mission_sonar(v->mission)->receiver_count;
+    v->beam = (v->beam + (by < 0.0 ? beams - 1 : 1)) % beams;
 }
 
-static void next_beam(asdic_view *v) {
-    v->beam = (v->beam + 1) % beams_of(v);
-}
-static void previous_beam(asdic_view *v) {
-    v->beam = (v->beam + beams_of(v) - 1) % beams_of(v);
-}
-static void fan_or_waterfall(asdic_view *v) {
+static void fan_or_waterfall(asdic_view *v, double by) {
+    (void)by;
     if (v->has_fan) {
         v->shows_fan = !v->shows_fan;
     } else {
         asdic_view_say(v, "no fan: that takes three beams or more in the order of their bearings");
     }
 }
-static void colours(asdic_view *v) {
+static void colours(asdic_view *v, double by) {
+    (void)by;
     v->look.colormap = (asdic_colormap)((v->look.colormap + 1) % ASDIC_COLORMAP_COUNT);
 }
-static void gain(asdic_view *v) {
+static void gain(asdic_view *v, double by) {
+    (void)by;
     double now = v->look.tvg_db_per_decade;
     v->look.tvg_db_per_decade = now < 15.0 ? 20.0 : now < 25.0 ? 30.0 : now < 35.0 ? 40.0 : 0.0;
 }
 
-static void move_window(asdic_view *v, double low, double high) {
+static void change_window(asdic_view *v, double low, double high) {
     if (v->look.db_high + high - (v->look.db_low + low) >= 10.0) {
         v->look.db_low += low;
         v->look.db_high += high;
     }
 }
-static void window_down(asdic_view *v) {
-    move_window(v, -5.0, -5.0);
+
+static void move_window(asdic_view *v, double by_db) {
+    change_window(v, by_db, by_db);
 }
-static void window_up(asdic_view *v) {
-    move_window(v, 5.0, 5.0);
-}
-static void window_narrower(asdic_view *v) {
-    move_window(v, 5.0, 0.0);
-}
-static void window_wider(asdic_view *v) {
-    move_window(v, -5.0, 0.0);
+
+static void narrow_window(asdic_view *v, double by_db) {
+    change_window(v, by_db, 0.0);
 }
 
 /* The loop follows before its next ping. */
@@ -139,12 +126,6 @@ static void wind(asdic_view *v, double by_kn) {
     now.wind_speed_kn = fmin(fmax(now.wind_speed_kn + by_kn, 0.0), 60.0);
     choose(v, &now);
 }
-static void calmer(asdic_view *v) {
-    wind(v, -5.0);
-}
-static void windier(asdic_view *v) {
-    wind(v, 5.0);
-}
 
 static void bottom(asdic_view *v, double type) {
     asdic_choices now = v->chosen;
@@ -155,87 +136,64 @@ static void bottom(asdic_view *v, double type) {
     now.bottom = asdic_material_bottom(type);
     choose(v, &now);
 }
-static void mud(asdic_view *v) {
-    bottom(v, 1.0);
-}
-static void sand(asdic_view *v) {
-    bottom(v, 2.0);
-}
-static void gravel(asdic_view *v) {
-    bottom(v, 3.0);
-}
-static void rock(asdic_view *v) {
-    bottom(v, 4.0);
-}
 
 static void source(asdic_view *v, double by_db) {
     asdic_choices now = v->chosen;
     now.source_level_db = fmin(fmax(now.source_level_db + by_db, -100.0), 260.0);
     choose(v, &now);
 }
-static void softer(asdic_view *v) {
-    source(v, -5.0);
-}
-static void louder(asdic_view *v) {
-    source(v, 5.0);
-}
 
-static void rays(asdic_view *v, uint32_t wanted) {
+static void rays(asdic_view *v, double times) {
     asdic_choices now = v->chosen;
-    now.rays = wanted < 64 ? 64 : wanted > 1u << 22 ? 1u << 22 : wanted;
+    now.rays = (uint32_t)fmin(fmax(times * now.rays, 64.0), 1u << 22);
     choose(v, &now);
     asdic_governor_want(&v->governor, now.rays);
-}
-static void fewer_rays(asdic_view *v) {
-    rays(v, v->chosen.rays / 2);
-}
-static void more_rays(asdic_view *v) {
-    rays(v, v->chosen.rays * 2);
 }
 
 static const struct {
     const char *name, *does;
-    void (*act)(asdic_view *view);
+    void (*act)(asdic_view *view, double by);
+    double by;
 } keys[] = {
-    {"up", "faster, by 0.25 m/s", faster},
-    {"down", "slower", slower},
-    {"left", "rudder to port, by a quarter", to_port},
-    {"right", "rudder to starboard", to_starboard},
-    {"x", "rudder amidships", amidships},
-    {"pageup", "planes to rise, by a quarter", rise},
-    {"pagedown", "planes to dive", dive},
-    {"h", "hold the depth, or let it go", hold},
-    {"a", "let the mission fly again", by_mission},
-    {"space", "pause, go on", pause_or_go},
-    {".", "a single ping", one_step},
-    {"r", "record, stop recording", record},
-    {"b", "next beam", next_beam},
-    {"g", "previous beam", previous_beam},
-    {"v", "fan or waterfall", fan_or_waterfall},
-    {"c", "next colour map", colours},
-    {"t", "time-varied gain of the picture: none, 20, 30, 40 log r", gain},
-    {"[", "window of levels 5 dB down", window_down},
-    {"]", "window of levels 5 dB up", window_up},
-    {"-", "narrower window", window_narrower},
-    {"=", "wider window", window_wider},
-    {"o", "5 kn less wind", calmer},
-    {"p", "5 kn more wind", windier},
-    {"1", "bottom of mud", mud},
-    {"2", "bottom of sand", sand},
-    {"3", "bottom of gravel", gravel},
-    {"4", "bottom of rock", rock},
-    {"k", "source level 5 dB lower", softer},
-    {"l", "source level 5 dB higher", louder},
-    {"n", "half the rays", fewer_rays},
-    {"m", "twice the rays", more_rays},
-    {"q", "quit", quit},
+    {"up", "faster, by 0.25 m/s", change_speed, 0.25},
+    {"down", "slower", change_speed, -0.25},
+    {"left", "rudder to port, by a quarter", turn_rudder, -0.25},
+    {"right", "rudder to starboard", turn_rudder, 0.25},
+    {"x", "rudder amidships", turn_rudder, 0.0},
+    {"pageup", "planes to rise, by a quarter", turn_planes, -0.25},
+    {"pagedown", "planes to dive", turn_planes, 0.25},
+    {"h", "hold the depth, or let it go", hold, 0.0},
+    {"a", "let the mission fly again", by_mission, 0.0},
+    {"space", "pause, go on", pause_for, 0.0},
+    {".", "a single ping", pause_for, 1.0},
+    {"r", "record, stop recording", record, 0.0},
+    {"b", "next beam", beam, 1.0},
+    {"g", "previous beam", beam, -1.0},
+    {"v", "fan or waterfall", fan_or_waterfall, 0.0},
+    {"c", "next colour map", colours, 0.0},
+    {"t", "time-varied gain of the picture: none, 20, 30, 40 log r", gain, 0.0},
+    {"[", "window of levels 5 dB down", move_window, -5.0},
+    {"]", "window of levels 5 dB up", move_window, 5.0},
+    {"-", "narrower window", narrow_window, 5.0},
+    {"=", "wider window", narrow_window, -5.0},
+    {"o", "5 kn less wind", wind, -5.0},
+    {"p", "5 kn more wind", wind, 5.0},
+    {"1", "bottom of mud", bottom, 1.0},
+    {"2", "bottom of sand", bottom, 2.0},
+    {"3", "bottom of gravel", bottom, 3.0},
+    {"4", "bottom of rock", bottom, 4.0},
+    {"k", "source level 5 dB lower", source, -5.0},
+    {"l", "source level 5 dB higher", source, 5.0},
+    {"n", "half the rays", rays, 0.5},
+    {"m", "twice the rays", rays, 2.0},
+    {"q", "quit", quit, 0.0},
 };
 #define KEYS (sizeof keys / sizeof *keys)
 
 bool asdic_view_press(asdic_view *view, const char *key) {
     for (size_t i = 0; view && key && i < KEYS; i++) {
         if (strcmp(keys[i].name, key) == 0) {
-            keys[i].act(view);
+            keys[i].act(view, keys[i].by);
             return true;
         }
     }
