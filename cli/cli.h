@@ -106,8 +106,18 @@ void cli_number_range(cli *c, const char *option, double limit_low, double limit
                       double *high);
 /* FIRST:END as in Python: [first, end); "A" is A:A+1; an omitted side keeps *FIRST or *END. */
 void cli_index_range(cli *c, const char *option, uint64_t *first, uint64_t *end);
-/* K/N with 1 <= K <= N <= 1e9. */
-void cli_share(cli *c, const char *option, uint64_t *k, uint64_t *n);
+/* The K-th of N equal parts. */
+typedef struct cli_part {
+    uint64_t k, n;
+} cli_part;
+
+/* K/N with 1 <= K <= N <= 1e9; the whole when it was not given. */
+cli_part cli_share(cli *c, const char *option);
+/* Narrows [*FIRST, *END) of WHAT ("pings") to its PART; false after a report when nothing is left. */
+bool cli_take_part(cli *c, cli_part part, const char *what, uint64_t *first, uint64_t *end);
+/* What --output names, else "PREFIX_NAME" of the scene "path/NAME.yaml", the first operand, with PART
+ * where there are several, and ENDING. To be freed; NULL without memory. */
+char *cli_output(const cli *c, const char *prefix, cli_part part, const char *ending);
 /* The position of the word among WORDS, which end with NULL. */
 void cli_choice(cli *c, const char *option, const char *const *words, int *out);
 /* KEY=VALUE,VALUE,... of --vary: *KEY, to be freed, which the values share; NULL and one value of NULL

@@ -4,42 +4,24 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* "dataset_NAME" of "path/NAME.yaml", with the shard when there are several. */
-static char *default_folder(const char *scene, uint64_t shard, uint64_t shards) {
-    char *name = asdic_scene_name(scene);
-    size_t room = name ? strlen(name) + 64 : 0;
-    char *folder = name ? malloc(room) : NULL;
-    if (folder && shards > 1) {
-        snprintf(folder, room, "dataset_%s_%llu_of_%llu", name, (unsigned long long)shard,
-                 (unsigned long long)shards);
-    } else if (folder) {
-        snprintf(folder, room, "dataset_%s", name);
-    }
-    free(name);
-    return folder;
-}
-
 /* The options of the command line; false when something is wrong with them. */
-static bool read_options(cli *c, asdic_dataset_options *o, uint64_t *shard, uint64_t *shards) {
-    uint64_t frames = o->frames;
+static bool read_options(cli *c, asdic_dataset_options *o, cli_part *part) {
+    uint64_t frames = o->frames, first = 0;
     cli_integer(c, "number", 1, 999999, &frames);
     cli_integer(c, "seed", 0, UINT64_MAX, &o->seed);
     cli_number(c, "threshold", 1e-3, 1.0, &o->threshold);
     cli_number(c, "radius", 16.0, 8192.0, &o->radius_px);
     cli_number_range(c, "range-db", -300.0, 400.0, &o->low_db, &o->high_db);
-    cli_share(c, "shard", shard, shards);
+    *part = cli_share(c, "shard");
     o->side_lobes = cli_given(c, "side-lobes");
     cli_mode(c, &o->force, &o->resume);
     o->frames = frames;
-    o->first = (size_t)(frames * (*shard - 1) / *shards);
-    o->end = (size_t)(frames * *shard / *shards);
-    if (!cli_bad_usage(c) && o->first == o->end) {
-        cli_usage(c, "--shard %llu/%llu is empty: frames to share: %llu",
-                  (unsigned long long)*shard, (unsigned long long)*shards,
-                  (unsigned long long)frames);
+    if (cli_bad_usage(c) || !cli_take_part(c, *part, "frames", &first, &frames)) {
         return false;
     }
-    return !cli_bad_usage(c);
+    o->first = (size_t)first;
+    o->end = (size_t)frames;
+    return true;
 }
 
 static asdic_status make(cli *c, const asdic_dataset_options *o) {
@@ -56,15 +38,15 @@ static asdic_status make(cli *c, const asdic_dataset_options *o) {
 
 static int run(cli *c) {
     asdic_dataset_options o = asdic_dataset_options_default();
-    uint64_t shard = 1, shards = 1;
-    if (!read_options(c, &o, &shard, &shards)) {
+    cli_part part;
+    if (!read_options(c, &o, &part)) {
         return CLI_USAGE;
     }
     if (strcmp(cli_operand(c, 0), "-") == 0) {
         return cli_usage(c, "the scene is read for every frame; it must be a file");
     }
-    char *folder = default_folder(cli_operand(c, 0), shard, shards);
-    o.folder = cli_given(c, "output") ? cli_text(c, "output") : folder;
+    char *folder = cli_output(c, "dataset", part, "");
+    o.folder = folder;
     asdic_status status = folder ? make(c, &o) : ASDIC_ERROR_MEMORY;
     if (!status) {
         size_t frames = o.end - o.first;

@@ -1,6 +1,7 @@
 #include "commands.h"
 #include "json.h"
 #include "progress.h"
+#include "roc_print.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -10,21 +11,28 @@
 typedef struct request {
     asdic_detect_options options;
     asdic_detector detector;
-    bool has_target, has_pfa, has_prior, has_snr, has_cost;
 } request;
 
 static const char *const cfars[] = {"ca", "os", NULL};
 static const char *const backgrounds[] = {"auto", "flat", "simulated", "cfar", NULL};
 
+/* What was typed in the place of the scene's. A threshold replaces the scene's, of whichever kind that is. */
+static void read_detector(cli *c, asdic_detector *d) {
+    int target = (int)d->target;
+    cli_choice(c, "target", cli_target_names, &target);
+    cli_number(c, "pfa", 1e-12, 0.5, &d->pfa);
+    cli_number(c, "prior", 1e-9, 0.999, &d->prior);
+    cli_number(c, "snr", -20.0, ASDIC_DETECTOR_MAX_SNR_DB, &d->snr_db);
+    d->cost_ratio = cli_given(c, "pfa") ? (double)NAN : d->cost_ratio;
+    cli_number(c, "cost", 1e-6, 1e12, &d->cost_ratio);
+    d->target = (asdic_target)target;
+}
+
 static bool read_request(cli *c, request *r) {
-    int target = 0, cfar = 0, background = 0;
+    int cfar = 0, background = 0;
     *r = (request){.options = asdic_detect_options_default(), .detector = {0}};
     uint64_t cells = r->options.cfar.cells, guard = r->options.cfar.guard;
-    cli_choice(c, "target", cli_target_names, &target);
-    cli_number(c, "pfa", 1e-12, 0.5, &r->detector.pfa);
-    cli_number(c, "prior", 1e-9, 0.999, &r->detector.prior);
-    cli_number(c, "snr", -20.0, ASDIC_DETECTOR_MAX_SNR_DB, &r->detector.snr_db);
-    cli_number(c, "cost", 1e-6, 1e12, &r->detector.cost_ratio);
+    read_detector(c, &r->detector);
     cli_choice(c, "cfar", cfars, &cfar);
     cli_choice(c, "background", backgrounds, &background);
     cli_integer(c, "cfar-cells", 1, 256, &cells);
@@ -32,13 +40,7 @@ static bool read_request(cli *c, request *r) {
     cli_number(c, "truth", -20.0, 60.0, &r->options.truth_snr_db);
     cli_number(c, "cell", 0.001, 1000.0, &r->options.cell_m);
     cli_number(c, "speed", 0.001, 100.0, &r->options.tracker.speed_mps);
-    r->detector.target = (asdic_target)target;
-    r->has_target = cli_given(c, "target");
-    r->has_pfa = cli_given(c, "pfa");
-    r->has_prior = cli_given(c, "prior");
-    r->has_snr = cli_given(c, "snr");
-    r->has_cost = cli_given(c, "cost");
-    if (r->has_cost && r->has_pfa) {
+    if (cli_given(c, "cost") && cli_given(c, "pfa")) {
         cli_usage(c, "--cost and --pfa are two thresholds; give one of them");
         return false;
     }
@@ -66,16 +68,8 @@ static bool read_request(cli *c, request *r) {
 static asdic_status choose_detector(cli *c, const char *folder, request *r) {
     asdic_run *run = NULL;
     TRY(asdic_run_open(cli_context(c), folder, &run));
-    asdic_detector chosen = *asdic_run_get_info(run).detector;
-    chosen.target = r->has_target ? r->detector.target : chosen.target;
-    chosen.pfa = r->has_pfa ? r->detector.pfa : chosen.pfa;
-    chosen.prior = r->has_prior ? r->detector.prior : chosen.prior;
-    chosen.snr_db = r->has_snr ? r->detector.snr_db : chosen.snr_db;
-    /* An option replaces the scene's threshold, of whichever kind that is. */
-    chosen.cost_ratio = r->has_cost  ? r->detector.cost_ratio
-                        : r->has_pfa ? (double)NAN
-                                     : chosen.cost_ratio;
-    r->detector = chosen;
+    r->detector = *asdic_run_get_info(run).detector;
+    read_detector(c, &r->detector);
     r->options.detector = &r->detector;
     asdic_run_close(&run);
     return ASDIC_OK;
@@ -194,11 +188,7 @@ static void print_json(const asdic_detect_report *r) {
     json_integer(&j, "bins", r->bins);
     json_integer(&j, "detections", r->detections);
     json_number(&j, "pfa_design", r->design_pfa);
-    json_open(&j, "pfa_measured", '{');
-    json_number(&j, "value", r->pfa.value);
-    json_number(&j, "low", r->pfa.low);
-    json_number(&j, "high", r->pfa.high);
-    json_close(&j);
+    json_estimate(&j, "pfa_measured", r->pfa);
     json_open(&j, "confusion", '[');
     for (size_t i = 0; i < r->class_count; i++) {
         json_open(&j, NULL, '{');
@@ -221,10 +211,7 @@ static void print_json(const asdic_detect_report *r) {
         json_number(&j, "range_m", s->range_m);
         json_number(&j, "snr_db", s->snr_db);
         json_number(&j, "pd", s->pd);
-        json_open(&j, "model_pd", '{');
-        json_number(&j, "low", s->model_pd.low);
-        json_number(&j, "high", s->model_pd.high);
-        json_close(&j);
+        json_band(&j, "model_pd", s->model_pd);
         json_bool(&j, "detected", s->detected);
         json_close(&j);
     }
@@ -330,14 +317,6 @@ static asdic_status simulate(cli *c, const char *scene, const char *folder) {
     return status;
 }
 
-/* "run_NAME" of "path/NAME.yaml", as asdic run has it. */
-static char *default_folder(const char *scene) {
-    char *name = asdic_scene_name(scene), *folder = NULL;
-    int length = name ? asprintf(&folder, "run_%s", name) : -1;
-    free(name);
-    return length < 0 ? NULL : folder;
-}
-
 static int run(cli *c) {
     request r;
     struct stat st;
@@ -352,11 +331,10 @@ static int run(cli *c) {
         }
         return cli_end(c, detect(c, operand, &r));
     }
-    char *own = cli_given(c, "output") ? NULL : default_folder(operand);
-    const char *folder = own ? own : cli_text(c, "output");
+    char *folder = cli_output(c, "run", (cli_part){1, 1}, "");
     asdic_status status = folder ? simulate(c, operand, folder) : ASDIC_ERROR_MEMORY;
     status = status ? status : detect(c, folder, &r);
-    free(own);
+    free(folder);
     return cli_end(c, status);
 }
 

@@ -27,14 +27,6 @@ typedef struct expect_scene {
     const char *file;
 } expect_scene;
 
-/* "expected_NAME.csv" of "path/NAME.yaml". */
-static char *default_output(const char *scene) {
-    char *name = asdic_scene_name(scene), *path = NULL;
-    int length = name ? asprintf(&path, "expected_%s.csv", name) : -1;
-    free(name);
-    return length < 0 ? NULL : path;
-}
-
 /* Levels of one component of one beam as the pictures take them. */
 static void to_db(const asdic_ping *ping, asdic_component component, size_t beam, float *out) {
     for (size_t n = 0; n < ping->bins; n++) {
@@ -137,8 +129,7 @@ static void note_uncertainty(cli *c, const asdic_uncertainty *uncertainty) {
 
 static int write_levels(cli *c, const expect_scene *scene) {
     asdic_ping *ping = NULL;
-    char *own_path = cli_text(c, "output") ? NULL : default_output(cli_operand(c, 0));
-    const char *path = own_path ? own_path : cli_text(c, "output");
+    char *path = cli_output(c, "expected", (cli_part){1, 1}, ".csv");
     const char *picture = cli_text(c, "picture");
     int code = CLI_FAILED;
     if (!path) {
@@ -151,7 +142,7 @@ static int write_levels(cli *c, const expect_scene *scene) {
         code = cli_end(c, status ? status : compute(c, path, scene, ping));
     }
     asdic_ping_destroy(&ping);
-    free(own_path);
+    free(path);
     return code;
 }
 

@@ -10,7 +10,6 @@
 
 typedef struct request {
     asdic_roc_options options;
-    bool has_target, has_pfa;
     char *vary;            /* KEY=a,b,c, cut into pieces; NULL: none */
     const char *key;       /* of it */
     roc_variants variants; /* values are the names */
@@ -18,8 +17,15 @@ typedef struct request {
     char facts[ROC_MOST_VARIANTS][ASDIC_SUBTITLE_SIZE]; /* of each variant's picture */
 } request;
 
+/* What was typed in the place of the scene's. */
+static void read_detector(cli *c, asdic_roc_options *o) {
+    int target = (int)o->target;
+    cli_choice(c, "target", cli_target_names, &target);
+    cli_number(c, "pfa", 1e-12, 0.5, &o->pfa);
+    o->target = (asdic_target)target;
+}
+
 static bool read_request(cli *c, request *r) {
-    int target = 0;
     uint64_t ping = 0;
     *r = (request){.options = asdic_roc_options_default()};
     r->options.target_strength_db = 0.0;
@@ -28,17 +34,13 @@ static bool read_request(cli *c, request *r) {
     cli_number(c, "bearing", -180.0, 180.0, &bearing_deg);
     r->options.bearing_rad = bearing_deg * CLI_PI / 180.0;
     cli_number(c, "strength", -200.0, 100.0, &r->options.target_strength_db);
-    cli_choice(c, "target", cli_target_names, &target);
-    cli_number(c, "pfa", 1e-12, 0.5, &r->options.pfa);
+    read_detector(c, &r->options);
     cli_integer(c, "trials", 1000, 100000000, &r->options.trials);
     cli_integer(c, "seed", 0, UINT64_MAX, &r->options.seed);
     cli_integer(c, "ping", 0, SIZE_MAX - 1, &ping);
     r->options.object = cli_text(c, "object");
     r->options.beam = cli_text(c, "beam");
     r->options.ping = (size_t)ping;
-    r->options.target = (asdic_target)target;
-    r->has_target = cli_given(c, "target");
-    r->has_pfa = cli_given(c, "pfa");
     if (r->options.object && cli_given(c, "range")) {
         cli_usage(c, "--object and --range are two targets; give one of them");
         return false;
@@ -62,8 +64,9 @@ static bool read_request(cli *c, request *r) {
 /* Takes what was not typed from the scene; without a target, its first object. */
 static asdic_status complete(cli *c, const asdic_mission *mission, request *r) {
     const asdic_detector *detector = asdic_mission_detector(mission);
-    r->options.target = r->has_target ? r->options.target : detector->target;
-    r->options.pfa = r->has_pfa ? r->options.pfa : detector->pfa;
+    r->options.target = detector->target;
+    r->options.pfa = detector->pfa;
+    read_detector(c, &r->options);
     for (size_t i = 0;
          !r->options.object && !cli_given(c, "range") && i < asdic_mission_object_count(mission);
          i++) {
@@ -127,14 +130,6 @@ static bool out_path(cli *c, const char *folder, const char *name, char **path) 
         return false;
     }
     return true;
-}
-
-/* "roc_NAME" of "path/NAME.yaml". */
-static char *default_folder(const char *scene) {
-    char *name = asdic_scene_name(scene), *folder = NULL;
-    int length = name ? asprintf(&folder, "roc_%s", name) : -1;
-    free(name);
-    return length < 0 ? NULL : folder;
 }
 
 /* The scene and what is detected where; below, what all levels hang on, of the first variant where
@@ -232,10 +227,9 @@ static int run(cli *c) {
     request r;
     int code = CLI_USAGE;
     if (read_request(c, &r)) {
-        char *own = cli_given(c, "output") ? NULL : default_folder(cli_operand(c, 0));
-        const char *folder = own ? own : cli_text(c, "output");
+        char *folder = cli_output(c, "roc", (cli_part){1, 1}, "");
         code = folder ? judge(c, &r, folder) : CLI_FAILED;
-        free(own);
+        free(folder);
     }
     for (size_t i = 0; i < ROC_MOST_VARIANTS; i++) {
         asdic_roc_destroy(&r.variants.rocs[i]);

@@ -15,48 +15,44 @@ static const char *const kernels[] = {"auto", "wide8", "pkt16", "frustum64", "sc
 #define MOST_RAYS (1u << 22)
 
 typedef struct request {
-    const char *scene, *folder;
-    asdic_sampling sampling; /* what the options change is marked below */
-    bool has_rays, has_sampler, has_seed;
+    const char *scene;
+    char *folder;              /* "-": the rows of bins.csv alone, to the standard output */
     asdic_tolerance tolerance; /* stderr_db NAN: none asked for */
     uint64_t first, end;       /* pings */
-    uint64_t shard, shards;    /* K of N */
+    cli_part part;
     bool force, resume;
 } request;
 
-/* The rows of bins.csv alone; FOLDER may be NULL. */
 static bool is_stream(const char *folder) {
-    return folder && strcmp(folder, "-") == 0;
+    return strcmp(folder, "-") == 0;
 }
 
-static bool read_request(cli *c, request *r) {
-    uint64_t rays = 0, seed = 0;
-    double percent = 99.0;
-    int sampler = 0, kernel = 0;
-    *r = (request){.scene = cli_operand(c, 0),
-                   .end = UINT64_MAX,
-                   .shard = 1,
-                   .shards = 1,
-                   .tolerance = {.stderr_db = NAN, .most_rays = MOST_RAYS}};
+/* What the options say in the place of the scene. */
+static void read_sampling(cli *c, asdic_sampling *sampling) {
+    uint64_t rays = sampling->rays;
+    int sampler = (int)sampling->sampler, kernel = 0;
     cli_integer(c, "rays", 64, 1u << 28, &rays);
     cli_choice(c, "sampler", samplers, &sampler);
     cli_choice(c, "kernel", kernels, &kernel);
-    cli_integer(c, "seed", 0, UINT64_MAX, &seed);
+    cli_integer(c, "seed", 0, UINT64_MAX, &sampling->seed);
+    sampling->rays = (uint32_t)rays;
+    sampling->sampler = (asdic_sampler)sampler;
+    sampling->kernel = (asdic_ray_kernel)kernel;
+}
+
+static bool read_request(cli *c, request *r) {
+    double percent = 99.0;
+    asdic_sampling sampling = asdic_sampling_default();
+    *r = (request){.scene = cli_operand(c, 0),
+                   .end = UINT64_MAX,
+                   .tolerance = {.stderr_db = NAN, .most_rays = MOST_RAYS}};
+    read_sampling(c, &sampling);
     cli_number(c, "tolerance", 1e-4, 20.0, &r->tolerance.stderr_db);
     cli_number(c, "tolerance-percent", 1.0, 100.0, &percent);
     r->tolerance.share = percent / 100.0;
     cli_index_range(c, "pings", &r->first, &r->end);
-    cli_share(c, "shard", &r->shard, &r->shards);
-    r->folder = cli_text(c, "output");
-    r->folder = r->folder && cli_is_stdout(r->folder) ? "-" : r->folder;
+    r->part = cli_share(c, "shard");
     cli_mode(c, &r->force, &r->resume);
-    r->has_rays = cli_given(c, "rays");
-    r->has_sampler = cli_given(c, "sampler");
-    r->has_seed = cli_given(c, "seed");
-    r->sampling.rays = (uint32_t)rays;
-    r->sampling.sampler = (asdic_sampler)sampler;
-    r->sampling.kernel = (asdic_ray_kernel)kernel;
-    r->sampling.seed = seed;
     if (cli_given(c, "tolerance-percent") && isnan(r->tolerance.stderr_db)) {
         cli_usage(c, "--tolerance-percent needs --tolerance DB");
         return false;
@@ -64,47 +60,22 @@ static bool read_request(cli *c, request *r) {
     return !cli_bad_usage(c);
 }
 
-static void apply(const request *r, asdic_mission *mission) {
-    asdic_sampling *sampling = asdic_mission_sampling(mission);
-    sampling->rays = r->has_rays ? r->sampling.rays : sampling->rays;
-    sampling->sampler = r->has_sampler ? r->sampling.sampler : sampling->sampler;
-    sampling->kernel = r->sampling.kernel;
-    sampling->seed = r->has_seed ? r->sampling.seed : sampling->seed;
-}
-
 /* The pings of --pings, of these the part of --shard. False when there are none. */
 static bool choose_pings(cli *c, const request *r, size_t pings, asdic_run_options *options) {
-    uint64_t end = r->end < pings ? r->end : pings;
+    uint64_t first = r->first, end = r->end < pings ? r->end : pings;
     if (r->first >= pings || (r->end != UINT64_MAX && r->end > pings)) {
         cli_usage(c, "--pings goes beyond the mission's %zu ping%s (0..%zu)", pings,
                   pings == 1 ? "" : "s", pings - 1);
         return false;
     }
-    uint64_t count = end - r->first;
-    uint64_t from = count * (r->shard - 1) / r->shards, to = count * r->shard / r->shards;
-    if (from == to) {
-        cli_usage(c, "--shard %llu/%llu is empty: pings to share: %llu",
-                  (unsigned long long)r->shard, (unsigned long long)r->shards,
-                  (unsigned long long)count);
+    options->of_first = first;
+    options->of_count = end - first;
+    if (!cli_take_part(c, r->part, "pings", &first, &end)) {
         return false;
     }
-    options->first = r->first + from;
-    options->count = to - from;
-    options->of_first = r->first;
-    options->of_count = count;
+    options->first = first;
+    options->count = end - first;
     return true;
-}
-
-/* "run_NAME" of "path/NAME.yaml", with the shard when there are several. */
-static char *default_folder(const request *r) {
-    char *name = asdic_scene_name(r->scene), *folder = NULL;
-    int length = !name ? -1
-                 : r->shards > 1
-                     ? asprintf(&folder, "run_%s_%llu_of_%llu", name, (unsigned long long)r->shard,
-                                (unsigned long long)r->shards)
-                     : asprintf(&folder, "run_%s", name);
-    free(name);
-    return length < 0 ? NULL : folder;
 }
 
 /* Which bins stay above the tolerance. */
@@ -247,7 +218,6 @@ static int run_alone_or_in(cli *c, asdic_team *team) {
     request r;
     asdic_mission *mission = NULL;
     asdic_run_options options = asdic_run_options_default();
-    char *folder = NULL;
     int code = CLI_USAGE;
     if (!read_request(c, &r)) {
         return CLI_USAGE;
@@ -256,27 +226,30 @@ static int run_alone_or_in(cli *c, asdic_team *team) {
     if (status != ASDIC_OK) {
         return cli_end(c, status);
     }
-    apply(&r, mission);
+    read_sampling(c, asdic_mission_sampling(mission));
     if (!cli_refract(c, mission)) {
         goto done;
+    }
+    r.folder = cli_output(c, "run", r.part, "");
+    if (!r.folder) {
+        code = cli_end(c, ASDIC_ERROR_MEMORY);
+        goto done;
+    }
+    if (cli_is_stdout(r.folder)) {
+        strcpy(r.folder, "-");
     }
     cli_remark(c, r.scene, mission, !r.resume && !is_stream(r.folder));
     if (!choose_pings(c, &r, asdic_mission_ping_count(mission), &options)) {
         goto done;
     }
-    folder = r.folder ? NULL : default_folder(&r);
-    options.folder = r.folder ? r.folder : folder;
-    if (!options.folder) {
-        code = cli_end(c, ASDIC_ERROR_MEMORY);
-        goto done;
-    }
+    options.folder = r.folder;
     options.force = r.force;
     options.resume = r.resume;
     options.team = team;
     announce(c, &r, mission, &options);
     code = cli_end(c, simulate(c, mission, &r.tolerance, &options));
 done:
-    free(folder);
+    free(r.folder);
     asdic_mission_destroy(&mission);
     return code;
 }

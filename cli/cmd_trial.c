@@ -17,7 +17,7 @@ typedef struct request {
     uint64_t workers;
     char *key; /* of --vary */
     const char *values[ASDIC_TRIAL_MOST_VARIANTS];
-    uint64_t shard, shards;
+    cli_part part;
     double tolerance_db; /* NAN: none asked for */
     const char *program;
     double timeout_s;
@@ -60,8 +60,6 @@ static bool read_replay(cli *c, request *r) {
 static bool read_request(cli *c, request *r) {
     uint64_t rays = 0;
     *r = (request){.options = asdic_trial_options_default(),
-                   .shard = 1,
-                   .shards = 1,
                    .tolerance_db = NAN,
                    .timeout_s = 10.0,
                    .program = cli_text(c, "rule")};
@@ -75,12 +73,11 @@ static bool read_request(cli *c, request *r) {
     cli_integer(c, "workers", 1, MOST_WORKERS, &r->workers);
     cli_integer(c, "rays", 64, 1u << 28, &rays);
     cli_number(c, "tolerance", 1e-2, 20.0, &r->tolerance_db);
-    cli_share(c, "shard", &r->shard, &r->shards);
+    r->part = cli_share(c, "shard");
     cli_number(c, "rule-timeout", 0.01, 86400.0, &r->timeout_s);
     o->scene = cli_operand(c, 0);
     o->rays = (uint32_t)rays;
     cli_mode(c, &o->force, &o->resume);
-    o->folder = cli_text(c, "output");
     if (cli_bad_usage(c) ||
         !cli_vary(c, ASDIC_TRIAL_MOST_VARIANTS, &r->key, r->values, &o->variants.count)) {
         return false;
@@ -104,11 +101,8 @@ static bool read_request(cli *c, request *r) {
         cli_usage(c, "--rays and --tolerance exclude each other");
         return false;
     }
-    uint64_t from = o->runs * (r->shard - 1) / r->shards, to = o->runs * r->shard / r->shards;
-    if (from == to) {
-        cli_usage(c, "--shard %llu/%llu is empty: runs to share: %llu",
-                  (unsigned long long)r->shard, (unsigned long long)r->shards,
-                  (unsigned long long)o->runs);
+    uint64_t from = 0, to = o->runs;
+    if (!cli_take_part(c, r->part, "runs", &from, &to)) {
         return false;
     }
     o->first = from;
@@ -116,20 +110,12 @@ static bool read_request(cli *c, request *r) {
     return read_replay(c, r);
 }
 
-/* "trial_NAME", with the shard or the run when there is one. */
-static char *default_folder(const request *r) {
-    char *name = asdic_scene_name(r->options.scene), *folder = NULL;
-    int length = -1;
-    if (name && r->replay) {
-        length = asprintf(&folder, "run_%s_%llu", name, (unsigned long long)r->replay_run);
-    } else if (name && r->shards > 1) {
-        length = asprintf(&folder, "trial_%s_%llu_of_%llu", name, (unsigned long long)r->shard,
-                          (unsigned long long)r->shards);
-    } else if (name) {
-        length = asprintf(&folder, "trial_%s", name);
-    }
-    free(name);
-    return length < 0 ? NULL : folder;
+/* Of the trial, with the shard, or of the run that is flown again. */
+static char *output_folder(const cli *c, const request *r) {
+    char run[24];
+    snprintf(run, sizeof run, "_%llu", (unsigned long long)r->replay_run);
+    return r->replay ? cli_output(c, "run", (cli_part){1, 1}, run)
+                     : cli_output(c, "trial", r->part, "");
 }
 
 /* --- the table --------------------------------------------------------------------------------- */
@@ -271,41 +257,23 @@ static int tell(cli *c, const char *folder) {
 static asdic_status fly_on(cli *c, request *r, asdic_device **devices, size_t count) {
     asdic_trial_options *o = &r->options;
     report seen = {.progress = cli_progress_begin(c)};
-    asdic_trial_rule rule = {.decide = trial_programs_decide, .name = r->program};
-    trial_programs *programs = NULL;
-    if (r->program) {
-        programs = trial_programs_begin(r->program, count, r->timeout_s);
-        rule.user = programs;
-        o->rule = &rule;
-    }
     o->progress = note_progress;
     o->user = &seen;
-    asdic_status status = r->program && !programs
-                              ? ASDIC_ERROR_MEMORY
-                              : asdic_trial_fly(cli_context(c), devices, count, o);
+    asdic_status status = asdic_trial_fly(cli_context(c), devices, count, o);
     cli_progress_end(&seen.progress);
     if (!status && seen.pings > 0 && !cli_team_is_worker(o->team)) {
         cli_note(c, "%s: %llu ping%s", o->folder, (unsigned long long)seen.pings,
                  seen.pings == 1 ? "" : "s");
     }
-    trial_programs_end(&programs);
     return status;
 }
 
 /* Flies one run again, and simulates its pings into the run folder. */
 static asdic_status replay_on(cli *c, request *r, asdic_device **devices, size_t count) {
     asdic_trial_run flown;
-    asdic_trial_rule rule = {.decide = trial_programs_decide, .name = r->program};
-    trial_programs *programs = NULL;
     char *scene = NULL;
-    if (r->program) {
-        programs = trial_programs_begin(r->program, 1, r->timeout_s);
-        rule.user = programs;
-        r->options.rule = &rule;
-    }
     asdic_status status = asdic_trial_replay(cli_context(c), devices[0], &r->options, r->replay_run,
                                              (size_t)r->replay_variant, r->options.folder, &flown);
-    trial_programs_end(&programs);
     asdic_mission *mission = NULL;
     if (!status && asprintf(&scene, "%s/scene.yaml", r->options.folder) < 0) {
         scene = NULL;
@@ -394,9 +362,19 @@ static int fly(cli *c, request *r, asdic_team *team) {
     if (!status && !isnan(r->tolerance_db)) {
         status = find_rays(c, r, w.all[0]);
     }
-    if (!status) {
-        status = (r->replay ? replay_on : fly_on)(c, r, w.all, w.times * w.each);
+    size_t count = w.times * w.each;
+    asdic_trial_rule rule = {.decide = trial_programs_decide, .name = r->program};
+    trial_programs *programs = NULL;
+    if (!status && r->program) {
+        programs = trial_programs_begin(r->program, count, r->timeout_s);
+        rule.user = programs;
+        r->options.rule = &rule;
+        status = programs ? ASDIC_OK : ASDIC_ERROR_MEMORY;
     }
+    if (!status) {
+        status = (r->replay ? replay_on : fly_on)(c, r, w.all, count);
+    }
+    trial_programs_end(&programs);
     dismiss(&w);
     if (status || r->replay || cli_team_is_worker(team)) {
         return cli_end(c, status);
@@ -413,10 +391,10 @@ static int run(cli *c) {
     }
     bool is_worker = cli_team_is_worker(team);
     if (read_request(c, &r) && !(r.replay && is_worker)) { /* one run is one process's */
-        char *own = r.options.folder ? NULL : default_folder(&r);
-        r.options.folder = r.options.folder ? r.options.folder : own;
-        code = r.options.folder ? fly(c, &r, team) : CLI_FAILED;
-        free(own);
+        char *folder = output_folder(c, &r);
+        r.options.folder = folder;
+        code = folder ? fly(c, &r, team) : CLI_FAILED;
+        free(folder);
     }
     free(r.key);
     cli_team_end(c, &team);

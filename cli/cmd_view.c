@@ -28,7 +28,7 @@ static const cli_option options[] = {
 typedef struct request {
     asdic_view_options options;
     uint64_t snapshots, pings, rays; /* 0: not given */
-    const char *y4m, *folder;
+    const char *y4m;
 } request;
 
 static bool read_size(cli *c, asdic_view_options *o) {
@@ -50,9 +50,7 @@ static bool read_request(cli *c, request *r) {
     for (int i = 0; i < ASDIC_COLORMAP_COUNT; i++) {
         maps[i] = asdic_colormap_name((asdic_colormap)i);
     }
-    *r = (request){.options = asdic_view_options_default(),
-                   .y4m = cli_text(c, "y4m"),
-                   .folder = cli_text(c, "output")};
+    *r = (request){.options = asdic_view_options_default(), .y4m = cli_text(c, "y4m")};
     cli_integer(c, "snapshot", 1, 10000, &r->snapshots);
     cli_integer(c, "pings", 1, 1000000000, &r->pings);
     cli_integer(c, "rays", 64, 1u << 22, &r->rays);
@@ -71,14 +69,6 @@ static bool read_request(cli *c, request *r) {
         return false;
     }
     return read_size(c, &r->options) && !cli_bad_usage(c);
-}
-
-/* "view_NAME" of "path/NAME.yaml". */
-static char *default_folder(const char *scene) {
-    char *name = asdic_scene_name(scene), *folder = NULL;
-    int length = name ? asprintf(&folder, "view_%s", name) : -1;
-    free(name);
-    return length < 0 ? NULL : folder;
 }
 
 static int show(view_job *job, const request *r, size_t mission_pings, const char *folder) {
@@ -112,7 +102,7 @@ static int view_mission(cli *c, const request *r, asdic_mission *mission, asdic_
                     .rate_hz = asdic_mission_sonar(mission)->ping_rate_hz,
                     .is_offline = r->y4m || r->snapshots};
     asdic_view_options o = r->options;
-    char *folder = r->folder ? strdup(r->folder) : default_folder(cli_operand(c, 0));
+    char *folder = cli_output(c, "view", (cli_part){1, 1}, "");
     int code = CLI_FAILED;
     o.folder = folder;
     if (cli_text(c, "keys") && !view_read_keys(&job, cli_text(c, "keys"))) {

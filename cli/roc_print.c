@@ -1,7 +1,5 @@
 #include "roc_print.h"
 
-#include "json.h"
-
 #include <math.h>
 #include <string.h>
 
@@ -102,14 +100,14 @@ void roc_print_table(const roc_variants *v) {
     }
 }
 
-static void json_band(json *j, const char *key, asdic_band band) {
+void json_band(json *j, const char *key, asdic_band band) {
     json_open(j, key, '{');
     json_number(j, "low", band.low);
     json_number(j, "high", band.high);
     json_close(j);
 }
 
-static void json_estimate(json *j, const char *key, asdic_estimate e) {
+void json_estimate(json *j, const char *key, asdic_estimate e) {
     json_open(j, key, '{');
     json_number(j, "value", e.value);
     json_number(j, "low", e.low);

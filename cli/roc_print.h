@@ -1,8 +1,10 @@
 /*
- * What asdic roc says of its curves.
+ * What asdic roc says of its curves, and numbers with bounds as JSON.
  */
 #ifndef ASDIC_CLI_ROC_PRINT_H
 #define ASDIC_CLI_ROC_PRINT_H
+
+#include "json.h"
 
 #include <asdic/asdic.h>
 
@@ -18,5 +20,9 @@ typedef struct roc_variants {
 
 void roc_print_table(const roc_variants *v);
 void roc_print_json(const roc_variants *v);
+
+/* "KEY": {"low": ..., "high": ...}, and with "value" */
+void json_band(json *j, const char *key, asdic_band band);
+void json_estimate(json *j, const char *key, asdic_estimate e);
 
 #endif

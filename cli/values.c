@@ -193,19 +193,43 @@ void cli_index_range(cli *c, const char *option, uint64_t *first, uint64_t *end)
 /* Of a share: as many as there are pings or runs at most. Their product with these fits 64 bits. */
 #define MOST_SHARES 1000000000u
 
-void cli_share(cli *c, const char *option, uint64_t *k, uint64_t *n) {
+cli_part cli_share(cli *c, const char *option) {
     const char *text = cli_text(c, option), *end;
-    uint64_t a, b;
-    if (!text) {
-        return;
-    }
-    if (!cli_read_integer(text, &a, &end) || *end != '/' || !cli_read_integer(end + 1, &b, &end) ||
-        *end != '\0' || a < 1 || a > b || b > MOST_SHARES) {
+    cli_part part = {1, 1};
+    if (text && (!cli_read_integer(text, &part.k, &end) || *end != '/' ||
+                 !cli_read_integer(end + 1, &part.n, &end) || *end != '\0' || part.k < 1 ||
+                 part.k > part.n || part.n > MOST_SHARES)) {
         bad(c, option, "K/N with 1 <= K <= N <= 1000000000");
-        return;
+        return (cli_part){1, 1};
     }
-    *k = a;
-    *n = b;
+    return part;
+}
+
+bool cli_take_part(cli *c, cli_part part, const char *what, uint64_t *first, uint64_t *end) {
+    uint64_t all = *end - *first;
+    *end = *first + all * part.k / part.n;
+    *first += all * (part.k - 1) / part.n;
+    if (*first == *end) {
+        cli_usage(c, "--shard %llu/%llu is empty: %s to share: %llu", (unsigned long long)part.k,
+                  (unsigned long long)part.n, what, (unsigned long long)all);
+    }
+    return *first < *end;
+}
+
+char *cli_output(const cli *c, const char *prefix, cli_part part, const char *ending) {
+    const char *given = cli_text(c, "output");
+    char *name = given ? strdup(given) : asdic_scene_name(cli_operand(c, 0)), *out = NULL;
+    char which[48] = "";
+    if (given || !name) {
+        return name;
+    }
+    if (part.n > 1) {
+        snprintf(which, sizeof which, "_%llu_of_%llu", (unsigned long long)part.k,
+                 (unsigned long long)part.n);
+    }
+    int length = asprintf(&out, "%s_%s%s%s", prefix, name, which, ending);
+    free(name);
+    return length < 0 ? NULL : out;
 }
 
 const char *const cli_target_names[] = {"swerling0", "swerling1", "swerling3", "swerling2", NULL};

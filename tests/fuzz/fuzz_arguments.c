@@ -25,7 +25,7 @@ static void read_values(cli *c) {
         cli_integer(c, name, 1, UINT64_MAX, &m);
         cli_number_range(c, name, -1e9, 1e9, &a, &b);
         cli_index_range(c, name, &m, &n);
-        cli_share(c, name, &m, &n);
+        cli_share(c, name);
         cli_choice(c, name, words, &choice);
     }
     for (size_t i = 0; i < cli_operand_count(c); i++) {

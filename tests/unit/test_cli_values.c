@@ -14,7 +14,7 @@
 static const cli_option options[] = {
     {"number", 'n', "X", "a number"},   {"whole", 0, "N", "whole"},
     {"range", 'r', "LO:HI", "a range"}, {"pings", 0, "A:B", "some"},
-    {"share", 0, "K/N", "a part"},      {"word", 'w', "WORD", "one"},
+    {"shard", 0, "K/N", "a part"},      {"word", 'w', "WORD", "one"},
     {"vary", 0, "KEY=A,B", "several"},  {"force", 'f', NULL, "flag"},
     {"forced", 0, NULL, "another"},     {0}};
 static const cli_command command = {.name = "try", .options = options};
@@ -135,7 +135,8 @@ static const char *say(const char *option, const char *value, void (*take)(void)
 }
 
 static double number, low, high;
-static uint64_t whole, first, end, share_k, share_n;
+static uint64_t whole, first, end;
+static cli_part part;
 static int choice;
 
 static void take_number(void) {
@@ -256,8 +257,7 @@ static void pings_are_counted_as_in_python(void **state) {
 }
 
 static void take_share(void) {
-    share_k = share_n = 7;
-    cli_share(&c, "share", &share_k, &share_n);
+    part = cli_share(&c, "shard");
 }
 
 static void a_share_is_one_of_several(void **state) {
@@ -274,21 +274,21 @@ static void a_share_is_one_of_several(void **state) {
                                       "1/1000000001",
                                       "18446744073709551615/18446744073709551615",
                                       ""};
-    assert_string_equal(say("--share", "1/1", take_share), "");
-    assert_true(share_k == 1 && share_n == 1);
-    assert_string_equal(say("--share", "2/3", take_share), "");
-    assert_true(share_k == 2 && share_n == 3);
-    assert_string_equal(say("--share", "3/3", take_share), "");
-    assert_true(share_k == 3 && share_n == 3);
-    assert_string_equal(say("--share", "1000000000/1000000000", take_share), "");
-    assert_true(share_k == 1000000000 && share_n == 1000000000);
+    assert_string_equal(say("--shard", "1/1", take_share), "");
+    assert_true(part.k == 1 && part.n == 1);
+    assert_string_equal(say("--shard", "2/3", take_share), "");
+    assert_true(part.k == 2 && part.n == 3);
+    assert_string_equal(say("--shard", "3/3", take_share), "");
+    assert_true(part.k == 3 && part.n == 3);
+    assert_string_equal(say("--shard", "1000000000/1000000000", take_share), "");
+    assert_true(part.k == 1000000000 && part.n == 1000000000);
     for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
         char expected[128];
         snprintf(expected, sizeof expected,
-                 "error: option '--share': '%s' is not K/N with 1 <= K <= N <= 1000000000\n",
+                 "error: option '--shard': '%s' is not K/N with 1 <= K <= N <= 1000000000\n",
                  bad[k]);
-        assert_string_equal(say("--share", bad[k], take_share), expected);
-        assert_true(share_k == 7 && share_n == 7);
+        assert_string_equal(say("--shard", bad[k], take_share), expected);
+        assert_true(part.k == 1 && part.n == 1);
     }
 }
 
