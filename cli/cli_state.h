@@ -35,7 +35,7 @@ bool cli_parse(cli *c, int argc, char **argv);
 
 /* Help on stdout: of the program, or of one command. */
 void cli_help_program(FILE *out);
-void cli_help_command(FILE *out, const cli_command *command);
+void cli_help_on(FILE *out, const cli_command *command);
 
 /* The word of COUNT that is nearest to TEXT; NULL when none is near enough. */
 const char *cli_nearest(const char *text, const char *const *words, size_t count);

@@ -47,14 +47,14 @@ static int run(cli *c) {
     if (cli_given(c, "json")) {
         print_table(command);
     } else if (command) {
-        cli_help_command(stdout, command);
+        cli_help_on(stdout, command);
     } else {
         cli_help_program(stdout);
     }
     return CLI_OK;
 }
 
-const cli_command cli_help_command_row = {
+const cli_command cli_help_command = {
     .name = "help",
     .operands = "[COMMAND]",
     .max_operands = 1,

@@ -4,28 +4,8 @@
 
 #include "cli_state.h"
 
-/* clang-format off: one a line */
-const cli_command *const cli_commands[] = {
-    &cli_run_command,
-    &cli_expect_command,
-    &cli_detect_command,
-    &cli_roc_command,
-    &cli_trial_command,
-    &cli_view_command,
-    &cli_serve_command,
-    &cli_render_command,
-    &cli_merge_command,
-    &cli_dataset_command,
-    &cli_model_command,
-    &cli_bench_command,
-    &cli_check_command,
-    &cli_plan_command,
-    &cli_schema_command,
-    &cli_devices_command,
-    &cli_help_command_row,
-    NULL,
-};
-/* clang-format on */
+#define ROW(name) &cli_##name##_command,
+const cli_command *const cli_commands[] = {CLI_COMMANDS(ROW) NULL};
 
 const cli_command *cli_find_command(const char *name) {
     for (size_t i = 0; cli_commands[i]; i++) {

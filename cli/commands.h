@@ -6,23 +6,15 @@
 
 #include "cli.h"
 
-extern const cli_command cli_bench_command;
-extern const cli_command cli_check_command;
-extern const cli_command cli_detect_command;
-extern const cli_command cli_devices_command;
-extern const cli_command cli_expect_command;
-extern const cli_command cli_merge_command;
-extern const cli_command cli_dataset_command;
-extern const cli_command cli_render_command;
-extern const cli_command cli_roc_command;
-extern const cli_command cli_run_command;
-extern const cli_command cli_model_command;
-extern const cli_command cli_help_command_row;
-extern const cli_command cli_plan_command;
-extern const cli_command cli_schema_command;
-extern const cli_command cli_serve_command;
-extern const cli_command cli_trial_command;
-extern const cli_command cli_view_command;
+/* clang-format off */
+#define CLI_COMMANDS(X) \
+    X(run) X(expect) X(detect) X(roc) X(trial) X(view) X(serve) X(render) X(merge) X(dataset) \
+    X(model) X(bench) X(check) X(plan) X(schema) X(devices) X(help)
+/* clang-format on */
+
+#define DECLARE(name) extern const cli_command cli_##name##_command;
+CLI_COMMANDS(DECLARE)
+#undef DECLARE
 
 extern const cli_command *const cli_commands[]; /* ends with NULL */
 

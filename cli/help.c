@@ -51,7 +51,7 @@ void cli_help_program(FILE *out) {
     fputs("\n'asdic COMMAND --help' explains one; 'asdic --version' prints the version.\n", out);
 }
 
-void cli_help_command(FILE *out, const cli_command *command) {
+void cli_help_on(FILE *out, const cli_command *command) {
     const cli_option *options[CLI_MAX_OPTIONS];
     size_t count = cli_options_of(command, options);
     fprintf(out, "usage: asdic %s [OPTION...]%s%s\n\n%s.\n", command->name,

@@ -23,7 +23,7 @@ static int run_command(cli *c, int argc, char **argv) {
     }
     cli_report_begin(c);
     if (cli_given(c, "help")) {
-        cli_help_command(stdout, command);
+        cli_help_on(stdout, command);
         return CLI_OK;
     }
     if (c->operand_count < command->min_operands) {
@@ -92,7 +92,7 @@ int main(int argc, char **argv) {
         fputs("error: out of memory\n", stderr);
         return CLI_FAILED;
     }
-    cli_begin(&c, ctx, &cli_help_command_row);
+    cli_begin(&c, ctx, &cli_help_command);
     cli_report_begin(&c);
     int code = cli_close_output(&c, run_program(&c, argc, argv));
     cli_signals_end();

@@ -54,14 +54,14 @@ int main(int argc, char **argv) {
     int code = CLI_USAGE;
     bool is_right = cli_parse(&c, argc, argv);
     if (is_right && cli_given(&c, "help")) {
-        cli_help_command(stdout, &command);
+        cli_help_on(stdout, &command);
         code = CLI_OK;
     } else if (is_right && cli_operand_count(&c) > 0) {
         cli_report_begin(&c);
         cli_signals_begin(ctx, false, false);
         code = run(&c);
     } else {
-        cli_help_command(stderr, &command);
+        cli_help_on(stderr, &command);
     }
     code = cli_close_output(&c, code);
     cli_signals_end();

@@ -305,7 +305,7 @@ static void json_nests(void **state) {
 }
 
 static void write_help(FILE *out) {
-    cli_help_command(out, &command);
+    cli_help_on(out, &command);
 }
 
 static void write_short_help(FILE *out) {
@@ -317,7 +317,7 @@ static void write_short_help(FILE *out) {
                                      .details = "Two.",
                                      .examples = "",
                                      .options = two};
-    cli_help_command(out, &none);
+    cli_help_on(out, &none);
 }
 
 static void help_is_wrapped(void **state) {
