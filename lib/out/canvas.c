@@ -1,5 +1,4 @@
 #include "canvas.h"
-
 #include "base/context.h"
 #include "base/try.h"
 #include "base/vec.h"
@@ -349,4 +348,143 @@ void asdic_canvas_line(asdic_canvas *c, double x0, double y0, double x1, double 
     cairo_move_to(c->cr, x0, y0);
     cairo_line_to(c->cr, x1, y1);
     cairo_stroke(c->cr);
+}
+
+/* --- legends ---------------------------------------------------------------------------------------- */
+
+#define INK_RGB 0x202020u
+#define SAMPLE_PX 36.0 /* an entry's piece of line */
+#define BESIDE_PX 10.0 /* from there to its name */
+#define APART_PX 24.0
+#define ROW_PX (1.5 * ASDIC_TEXT_PX)
+
+void asdic_canvas_set_style(asdic_canvas *c, const asdic_series *series) {
+    if (!series) {
+        cairo_set_dash(c->cr, NULL, 0, 0.0);
+        cairo_set_line_cap(c->cr, CAIRO_LINE_CAP_BUTT);
+        cairo_set_line_width(c->cr, 1.0);
+        return;
+    }
+    double w = 1.5 * series->width;
+    const double dashed[] = {5.0 * w, 3.0 * w};
+    const double dotted[] = {0.0, 2.5 * w};
+    const double dash_dot[] = {6.0 * w, 2.5 * w, 1.2 * w, 2.5 * w};
+    cairo_set_line_width(c->cr, w);
+    cairo_set_line_join(c->cr, CAIRO_LINE_JOIN_ROUND);
+    cairo_set_line_cap(c->cr, CAIRO_LINE_CAP_BUTT);
+    asdic_canvas_color(c, series->rgb);
+    switch (series->style) {
+    case ASDIC_LINE_SOLID:
+        cairo_set_dash(c->cr, NULL, 0, 0.0);
+        break;
+    case ASDIC_LINE_DASHED:
+        cairo_set_dash(c->cr, dashed, 2, 0.0);
+        break;
+    case ASDIC_LINE_DOTTED: /* round caps of dashes without length are dots */
+        cairo_set_line_cap(c->cr, CAIRO_LINE_CAP_ROUND);
+        cairo_set_dash(c->cr, dotted, 2, 0.0);
+        break;
+    case ASDIC_LINE_DASH_DOT:
+        cairo_set_dash(c->cr, dash_dot, 4, 0.0);
+        break;
+    }
+}
+
+double asdic_canvas_legend(asdic_canvas *c, asdic_box box, const asdic_series *entries,
+                           size_t count) {
+    double x = box.x;
+    unsigned rows = 0;
+    for (size_t i = 0; i < count; i++) {
+        const asdic_series *entry = &entries[i];
+        if (!entry->label) {
+            continue;
+        }
+        double wide = SAMPLE_PX + BESIDE_PX + asdic_canvas_text_width(entry->label, ASDIC_TEXT_PX);
+        rows = rows ? rows : 1;
+        if (x > box.x && x + wide > box.x + box.w) {
+            rows++;
+            x = box.x;
+        }
+        if (c) {
+            double y = box.y + ((double)rows - 0.5) * ROW_PX;
+            asdic_canvas_set_style(c, entry);
+            asdic_canvas_line(c, x, y, x + SAMPLE_PX, y);
+            asdic_canvas_set_style(c, NULL);
+            asdic_canvas_color(c, INK_RGB);
+            asdic_canvas_text_fit(c,
+                                  (asdic_text){.x = x + SAMPLE_PX + BESIDE_PX,
+                                               .y = y,
+                                               .align_y = 0.5,
+                                               .size_px = ASDIC_TEXT_PX},
+                                  entry->label, box.w - SAMPLE_PX - BESIDE_PX);
+        }
+        x += wide + APART_PX;
+    }
+    return rows * ROW_PX;
+}
+
+/* --- curves ----------------------------------------------------------------------------------------- */
+
+static bool is_drawable(const asdic_plot_axis *axis, double value) {
+    return isfinite(value) && !(axis->logarithmic && value <= 0.0);
+}
+
+static bool is_point(const asdic_plot_axis *x, const asdic_plot_axis *y, const asdic_series *series,
+                     size_t i) {
+    return i < series->count && is_drawable(x, series->x[i]) && is_drawable(y, series->y[i]);
+}
+
+/* A point without neighbours is drawn as a dot of this radius. */
+#define LONE_PX 2.0
+
+/* Apart from the current path. */
+static void dot(asdic_canvas *c, double x, double y, uint32_t rgb) {
+    cairo_path_t *path = cairo_copy_path(c->cr);
+    cairo_new_path(c->cr);
+    asdic_canvas_color(c, rgb);
+    cairo_arc(c->cr, x, y, LONE_PX, 0.0, 2.0 * ASDIC_PI);
+    cairo_fill(c->cr);
+    cairo_append_path(c->cr, path);
+    cairo_path_destroy(path);
+}
+
+/* Where a path crosses itself is searched for in a time that grows faster than its length: a solid
+ * line, which does not show it, is stroked in pieces of so many points. */
+#define PIECE_POINTS 256
+
+static void stroke(asdic_canvas *c, const asdic_series *series) {
+    asdic_canvas_set_style(c, series);
+    cairo_stroke(c->cr);
+    asdic_canvas_set_style(c, NULL);
+}
+
+void asdic_canvas_curve(asdic_canvas *c, asdic_box box, const asdic_plot_axis *x_axis,
+                        const asdic_plot_axis *y_axis, const asdic_series *series) {
+    bool drawing = false;
+    size_t points = 0;
+    cairo_new_path(c->cr);
+    for (size_t i = 0; i < series->count; i++) {
+        if (!is_point(x_axis, y_axis, series, i)) {
+            drawing = false;
+            continue;
+        }
+        double x = box.x + box.w * asdic_axis_share(x_axis, series->x[i]);
+        double y = box.y + box.h * (1.0 - asdic_axis_share(y_axis, series->y[i]));
+        /* cairo's coordinates are 24-bit: far outside they would wrap round. */
+        x = fmin(fmax(x, box.x - box.w), box.x + 2.0 * box.w);
+        y = fmin(fmax(y, box.y - box.h), box.y + 2.0 * box.h);
+        if (drawing) {
+            cairo_line_to(c->cr, x, y);
+            if (++points % PIECE_POINTS == 0 && series->style == ASDIC_LINE_SOLID) {
+                stroke(c, series);
+                cairo_move_to(c->cr, x, y);
+            }
+        } else if (is_point(x_axis, y_axis, series, i + 1)) {
+            cairo_move_to(c->cr, x, y);
+        } else {
+            dot(c, x, y, series->rgb);
+        }
+        drawing = true;
+    }
+    stroke(c, series);
 }
