@@ -7,7 +7,7 @@
 #include "base/file_read.h"
 #include "base/sha256.h"
 #include "base/try.h"
-#include "mission/scene_file/yaml_print.h"
+#include "mission/scene_file/yaml_tree.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -11,7 +11,7 @@
 #include "base/try.h"
 #include "mission/scene_file/scene_draw.h"
 #include "mission/scene_file/scene_keys.h"
-#include "mission/scene_file/yaml_print.h"
+#include "mission/scene_file/yaml_tree.h"
 #include "sim/array.h"
 #include "sim/coherent.h"
 

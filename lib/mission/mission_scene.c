@@ -9,7 +9,6 @@
 #include "laws/scatterer.h"
 #include "scene/mesh_build.h"
 #include "scene/moving.h"
-#include "scene/primitive.h"
 #include "scene/scene.h"
 #include "scene/triangles.h"
 

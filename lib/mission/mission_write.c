@@ -11,7 +11,7 @@
 #include "out/digits.h"
 #include "laws/scatterer.h"
 #include "out/file.h"
-#include "mission/scene_file/yaml_print.h"
+#include "mission/scene_file/yaml_tree.h"
 
 #include <errno.h>
 #include <math.h>

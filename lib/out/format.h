@@ -54,4 +54,16 @@ ASDIC_FORMATS(ASDIC_FORMAT_ROW)
 
 extern const asdic_format *const asdic_formats[ASDIC_FORMAT_COUNT];
 
+/* --- a format that is written in a process of its own, for libraries that a full disk brings down: what is left of
+ * them then ends with that process, and the caller goes on with a sentence --- */
+
+/* As asdic_format's, of the file that FORMAT's functions write there. A failed write is told at the next one or
+ * on commit. */
+asdic_status asdic_format_process_open(asdic_context *ctx, const asdic_format *format,
+                                       const char *path, const asdic_format_about *about,
+                                       void **out);
+asdic_status asdic_format_process_write(void *file, const asdic_record *record);
+asdic_status asdic_format_process_commit(void **file);
+void asdic_format_process_discard(void **file);
+
 #endif

@@ -15,7 +15,6 @@ const char asdic_format_doc_netcdf[] = "also run.nc: netCDF-4 with names after S
 #include "base/vec.h"
 #include "beam_width.h"
 #include "digits.h"
-#include "format_process.h"
 #include "netcdf_file.h"
 
 #include <math.h>

@@ -1,4 +1,4 @@
-#include "format_process.h"
+#include "format.h"
 
 #include "base/context.h"
 #include "base/try.h"

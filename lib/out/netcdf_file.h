@@ -4,7 +4,7 @@
  *
  * After a failed write HDF5 1.10.8 crashes when the file is closed or aborted, and otherwise at the end of the
  * process, when it flushes what is left. A file that failed is therefore never touched again, and its process
- * must end by _exit() (format_process.h).
+ * must end by _exit() (format.h).
  */
 #ifndef ASDIC_OUT_NETCDF_FILE_H
 #define ASDIC_OUT_NETCDF_FILE_H

@@ -1,4 +1,4 @@
-#include "corner_normals.h"
+#include "surface.h"
 
 #include "crease.h"
 

@@ -1,4 +1,4 @@
-#include "joint.h"
+#include "surface.h"
 
 #include "point_tree.h"
 

@@ -4,6 +4,8 @@
 #ifndef ASDIC_SCENE_MESH_BUILD_H
 #define ASDIC_SCENE_MESH_BUILD_H
 
+#include <stddef.h>
+
 #include "triangles.h"
 
 /* Farther out, single precision has nothing left for the scene (and no sea is that wide). */
@@ -36,5 +38,9 @@ asdic_status asdic_weld_vertices(asdic_context *ctx, const double *vertices_m, s
 void asdic_mesh_hint_at_units(asdic_mesh_info *info, bool body, bool ground);
 
 asdic_vec3 asdic_mesh_vertex(const asdic_mesh *mesh, size_t index);
+
+/* Triangles of asdic_mesh_sphere and asdic_mesh_cylinder. */
+size_t asdic_sphere_triangles(unsigned segments);
+size_t asdic_cylinder_triangles(unsigned segments);
 
 #endif

@@ -1,7 +1,6 @@
 /*
  * Primitives, centred at the origin, facets wound counter-clockwise seen from outside.
  */
-#include "primitive.h"
 
 #include "base/try.h"
 
@@ -87,12 +86,13 @@ asdic_status asdic_mesh_box(asdic_context *ctx, asdic_vec3 size_m, asdic_mesh **
     return complete(ctx, &w, out);
 }
 
-size_t asdic_sphere_rings(unsigned segments) {
+/* Parallels of a sphere between its poles. */
+static size_t sphere_rings(unsigned segments) {
     return segments / 2 < 2 ? 1 : segments / 2 - 1;
 }
 
 size_t asdic_sphere_triangles(unsigned segments) {
-    return 2 * asdic_sphere_rings(segments) * segments;
+    return 2 * sphere_rings(segments) * segments;
 }
 
 size_t asdic_cylinder_triangles(unsigned segments) {
@@ -106,7 +106,7 @@ asdic_status asdic_mesh_sphere(asdic_context *ctx, double radius_m, unsigned seg
         return asdic_fail_null(ctx, __func__);
     }
     writer w = {0};
-    size_t rings = asdic_sphere_rings(segments);
+    size_t rings = sphere_rings(segments);
     *out = NULL;
     TRY(check_length(ctx, "the sphere's radius", radius_m));
     TRY(check_segments(ctx, segments));

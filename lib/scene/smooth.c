@@ -2,11 +2,10 @@
 
 #include "base/try.h"
 
-#include "corner_normals.h"
+#include "surface.h"
 #include "crease.h"
 #include "fold.h"
 #include "moving.h"
-#include "straight.h"
 
 #include "laws/scatterer.h"
 

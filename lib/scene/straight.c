@@ -1,4 +1,4 @@
-#include "straight.h"
+#include "surface.h"
 
 #include "base/context.h"
 #include "base/try.h"

@@ -1,6 +1,5 @@
 #include "surface.h"
 
-#include "joint.h"
 #include "mesh_build.h"
 
 #include "../base/context.h"

@@ -74,4 +74,19 @@ static inline asdic_vec3 asdic_surface_normal(const asdic_surface *s, size_t fac
     return (asdic_vec3){side * n[0], side * n[1], side * n[2]};
 }
 
+/* Fills NORMALS, three a facet, of a surface whose patches are found. */
+asdic_status asdic_corner_normals_find(asdic_context *ctx, asdic_surface *surface,
+                                       asdic_vec3 *normals);
+
+/* Fills radii and in-phase areas of the facets of a part that stand for a curved surface, from the NORMALS of all
+ * corners, three a facet. */
+asdic_status asdic_surface_find_straight(asdic_context *ctx, asdic_surface *surface,
+                                         const asdic_vec3 *normals);
+
+/* Lets every facet whose open edge passes a vertex touch it with the edge's two corners: those of the two facets that
+ * it would be, if cut there. OPEN has COUNT corners at which open edges begin. TOLERANCE: how far from an edge, by its
+ * length. */
+asdic_status asdic_surface_join(asdic_context *ctx, asdic_surface *surface, const uint32_t *open,
+                                size_t count, double tolerance);
+
 #endif

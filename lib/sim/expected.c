@@ -15,7 +15,6 @@
 #include "base/quadrature.h"
 #include "base/share.h"
 #include "base/try.h"
-#include "expected_bent.h"
 #include "noise_level.h"
 #include "pulse.h"
 #include "scene/scene.h"

@@ -14,7 +14,7 @@
  * between the angles at which they graze a plane, with cuts where they end on a bin's edge or at a knot of
  * its scattering law and where they meet a caustic. A ray ends at the first boundary.
  */
-#include "expected_bent.h"
+#include "expected.h"
 
 #include "base/context.h"
 #include "base/grow.h"

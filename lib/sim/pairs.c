@@ -1,4 +1,4 @@
-#include "pairs.h"
+#include "passage.h"
 
 #include "aim.h"
 #include "base/sort.h"

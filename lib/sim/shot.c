@@ -6,7 +6,6 @@
 #include "aim.h"
 #include "base/vec.h"
 #include "cones.h"
-#include "pairs.h"
 #include "passage.h"
 #include "scene/scene.h"
 #include "sonar_ray.h"

@@ -7,7 +7,7 @@
 #include "base/sort.h"
 #include "mission/scene_file/scene_draw.h"
 #include "mission/scene_file/scene_keys.h"
-#include "mission/scene_file/yaml_print.h"
+#include "mission/scene_file/yaml_tree.h"
 
 #include <asdic/asdic.h>
 

@@ -8,7 +8,7 @@
 #include "mission/run/run_elements.h"
 #include "mission/run/run_facts.h"
 #include "mission/run/run_records.h"
-#include "mission/run/run_size.h"
+#include "mission/run/run_files.h"
 #include "out/record.h"
 
 #include <fcntl.h>

@@ -5,7 +5,6 @@
 #include "base/try.h"
 #include "gather.h"
 #include "labelled.h"
-#include "lobes.h"
 #include "mission/mission.h"
 #include "mission/run/run_folder.h"
 #include "mission/scene_inputs.h"

@@ -5,6 +5,7 @@
 #define ASDIC_MISSION_DATASET_LABELLED_H
 
 #include "base/file_name.h"
+#include "mission/mission.h"
 
 #include <asdic/dataset.h>
 
@@ -62,5 +63,10 @@ asdic_status asdic_frame_check(asdic_context *ctx, const char *folder, size_t in
 /* "FOLDER/SUB/NUMBER.EXTENSION" */
 asdic_file_name asdic_frame_path(const char *folder, const char *sub, size_t index,
                                  const char *extension);
+
+/* HEARD[(number - 1) * beams + beam] for each object, by the numbers that truth gives them: whether the beam hears
+ * some of the object at half power or more, in bearing from the sonar at FRAME's first pose. OWNER has the scene, perhaps
+ * with its objects elsewhere. To be freed; NULL: no memory. */
+bool *asdic_lobes_reach(const asdic_mission *frame, const asdic_mission *owner);
 
 #endif

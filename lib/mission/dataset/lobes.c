@@ -1,4 +1,4 @@
-#include "lobes.h"
+#include "labelled.h"
 
 #include "base/vec.h"
 #include "out/beam_width.h"

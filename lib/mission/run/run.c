@@ -10,7 +10,6 @@
 #include "base/try.h"
 #include "run_folder.h"
 #include "run_workers.h"
-#include "team_worker.h"
 
 #include <string.h>
 #include <unistd.h>

@@ -1,5 +1,4 @@
 #include "run_facts.h"
-#include "run_facts_keys.h"
 
 #include "base/context.h"
 #include "base/file_name.h"

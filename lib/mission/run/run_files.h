@@ -5,6 +5,8 @@
 #ifndef ASDIC_MISSION_RUN_FILES_H
 #define ASDIC_MISSION_RUN_FILES_H
 
+#include <asdic/mission.h>
+
 #include "mission/mission_settings.h"
 #include "out/record.h"
 #include "run_facts.h"
@@ -32,5 +34,10 @@ asdic_status asdic_files_commit(asdic_files *files, bool is_whole);
 
 /* Removes what was not committed. NULL-safe. */
 void asdic_files_destroy(asdic_files **files);
+
+/* ASDIC_ERROR_IO when the pings that OPTIONS ask for do not fit, and force was not asked for. For a
+ * run that goes on, a warning. */
+asdic_status asdic_run_check_room(asdic_context *ctx, const asdic_mission *mission,
+                                  const asdic_run_options *options);
 
 #endif

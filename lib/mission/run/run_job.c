@@ -10,8 +10,8 @@
 #include "run_chart_data.h"
 #include "run_check.h"
 #include "run_folder.h"
-#include "run_render.h"
-#include "run_size.h"
+#include "run_picture.h"
+#include "run_files.h"
 #include "sim/coherent.h"
 
 #include <math.h>

@@ -68,4 +68,9 @@ asdic_status asdic_job_end(asdic_run_job *job, bool is_whole);
 /* Closes everything. Files that are not committed stay for --resume or disappear. */
 void asdic_job_finish(asdic_run_job *job);
 
+/* --- a process of a team other than the first: its devices simulate the pings that process 0 orders --- */
+
+/* Returns when process 0 says that the run is over. */
+asdic_status asdic_team_worker_run(asdic_run_job *job);
+
 #endif

@@ -8,7 +8,7 @@
 #include "run_files.h"
 #include "run_folder.h"
 #include "run_open.h"
-#include "run_render.h"
+#include "run_picture.h"
 #include "run_chart_data.h"
 #include "mission/track/track.h"
 #include "out/file.h"

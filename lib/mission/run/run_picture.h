@@ -67,4 +67,10 @@ asdic_status asdic_render_fan(asdic_render *render, const asdic_record *record);
 /* run_render_chart.c: the mission from above. */
 asdic_status asdic_render_chart(asdic_render *render);
 
+/* As asdic_run_render with SUMMARY, made while the run's pings came; NULL: made
+ * from the folder. */
+asdic_status asdic_run_render_summary(asdic_context *ctx, const char *folder,
+                                      const asdic_render_options *options,
+                                      const asdic_summary *summary);
+
 #endif

@@ -1,4 +1,3 @@
-#include "run_render.h"
 
 #include "base/context.h"
 #include "base/try.h"

@@ -1,4 +1,3 @@
-#include "run_size.h"
 
 #include "base/clock.h"
 #include "base/context.h"

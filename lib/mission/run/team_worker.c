@@ -1,4 +1,4 @@
-#include "team_worker.h"
+#include "run_job.h"
 
 #include "base/context.h"
 #include "base/try.h"

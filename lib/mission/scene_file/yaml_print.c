@@ -1,4 +1,4 @@
-#include "yaml_print.h"
+#include "yaml_tree.h"
 
 #include <string.h>
 

@@ -7,6 +7,7 @@
 
 #include "base/arena.h"
 #include "base/problems.h"
+#include "base/text.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -62,5 +63,8 @@ void asdic_yaml_problem(asdic_problems *problems, asdic_yaml_node *node, const c
 /* The same at the key, naming the path of the map that holds it. */
 void asdic_yaml_key_problem(asdic_problems *problems, asdic_yaml_node *node, const char *format,
                             ...) __attribute__((format(printf, 3, 4)));
+
+/* What ROOT holds, appended to TEXT: the same values as it was read from, without comments. */
+void asdic_yaml_print(const asdic_yaml_node *root, asdic_text *text);
 
 #endif
