@@ -14,7 +14,6 @@
 #include <string.h>
 #include <strings.h>
 
-#define INK_RGB 0x202020u
 #define NOTE_RGB 0x606060u
 #define PIXELS_PER_M 8200.0 /* about 208 dpi: 1400 pixels are 17 cm */
 
@@ -294,7 +293,7 @@ static void draw_title(asdic_canvas *c, double x, const char *title, double room
     snprintf(first, sizeof first, "%.*s", (int)length, title);
     asdic_text where = {
         .x = x, .y = ASDIC_MARGIN_PX, .align_y = 1.0, .size_px = ASDIC_TITLE_PX, .bold = true};
-    asdic_canvas_color(c, INK_RGB);
+    asdic_canvas_color(c, ASDIC_INK_RGB);
     asdic_canvas_text_fit(c, where, first, room);
     if (second) {
         where = (asdic_text){.x = x,
@@ -350,9 +349,16 @@ void asdic_canvas_line(asdic_canvas *c, double x0, double y0, double x1, double 
     cairo_stroke(c->cr);
 }
 
+void asdic_canvas_frame(asdic_canvas *c, asdic_box box) {
+    cairo_new_path(c->cr);
+    asdic_canvas_color(c, ASDIC_INK_RGB);
+    cairo_set_line_width(c->cr, 1.0);
+    cairo_rectangle(c->cr, box.x - 0.5, box.y - 0.5, box.w + 1.0, box.h + 1.0);
+    cairo_stroke(c->cr);
+}
+
 /* --- legends ---------------------------------------------------------------------------------------- */
 
-#define INK_RGB 0x202020u
 #define SAMPLE_PX 36.0 /* an entry's piece of line */
 #define BESIDE_PX 10.0 /* from there to its name */
 #define APART_PX 24.0
@@ -410,7 +416,7 @@ double asdic_canvas_legend(asdic_canvas *c, asdic_box box, const asdic_series *e
             asdic_canvas_set_style(c, entry);
             asdic_canvas_line(c, x, y, x + SAMPLE_PX, y);
             asdic_canvas_set_style(c, NULL);
-            asdic_canvas_color(c, INK_RGB);
+            asdic_canvas_color(c, ASDIC_INK_RGB);
             asdic_canvas_text_fit(c,
                                   (asdic_text){.x = x + SAMPLE_PX + BESIDE_PX,
                                                .y = y,

@@ -15,6 +15,10 @@
 #define ASDIC_TITLE_PX 22.0
 #define ASDIC_NOTE_PX 14.0
 #define ASDIC_MARGIN_PX 20.0
+#define ASDIC_BAR_PX 24.0 /* width of a colour scale */
+
+#define ASDIC_PAPER_RGB 0xffffffu
+#define ASDIC_INK_RGB 0x202020u
 
 typedef struct asdic_canvas {
     asdic_context *ctx;
@@ -67,6 +71,9 @@ void asdic_canvas_frame_text(asdic_canvas *canvas, double x, const char *title, 
 void asdic_canvas_raster(asdic_canvas *canvas, const asdic_raster *raster, asdic_box box);
 
 void asdic_canvas_line(asdic_canvas *canvas, double x0, double y0, double x1, double y1);
+
+/* A line of one pixel round BOX. */
+void asdic_canvas_frame(asdic_canvas *canvas, asdic_box box);
 
 /* Colour, width and dashes of a curve; NULL: a solid line of one pixel again. */
 void asdic_canvas_set_style(asdic_canvas *canvas, const asdic_series *series);

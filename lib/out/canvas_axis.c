@@ -7,7 +7,6 @@
 #define TICK_PX 7.0
 #define GAP_PX 5.0
 #define GRID_RGB 0xe4e4e4u
-#define INK_RGB 0x202020u
 
 /* Lines one pixel wide are crisp on half coordinates. */
 static double crisp(double x) {
@@ -32,7 +31,7 @@ void asdic_canvas_axis_x(asdic_canvas *c, asdic_box box, const asdic_plot_axis *
             asdic_canvas_color(c, GRID_RGB);
             asdic_canvas_line(c, x, box.y, x, bottom);
         }
-        asdic_canvas_color(c, INK_RGB);
+        asdic_canvas_color(c, ASDIC_INK_RGB);
         asdic_canvas_line(c, x, bottom, x, bottom + TICK_PX);
         asdic_canvas_text_fit(c,
                               (asdic_text){.x = x,
@@ -81,7 +80,7 @@ void asdic_canvas_axis_y(asdic_canvas *c, asdic_box box, const asdic_plot_axis *
             asdic_canvas_color(c, GRID_RGB);
             asdic_canvas_line(c, box.x, y, box.x + box.w, y);
         }
-        asdic_canvas_color(c, INK_RGB);
+        asdic_canvas_color(c, ASDIC_INK_RGB);
         asdic_canvas_line(c, box.x, y, box.x - TICK_PX, y);
         asdic_canvas_text(c,
                           (asdic_text){.x = box.x - TICK_PX - GAP_PX,
@@ -127,7 +126,7 @@ void asdic_canvas_scale(asdic_canvas *c, asdic_box box, const asdic_plot_axis *a
         asdic_raster_set(&scale, 0, i, asdic_colormap_rgb(map, 255 - i));
     }
     asdic_canvas_raster(c, &scale, box);
-    asdic_canvas_color(c, INK_RGB);
+    asdic_canvas_color(c, ASDIC_INK_RGB);
     cairo_set_line_width(c->cr, 1.0);
     cairo_rectangle(c->cr, crisp(box.x), crisp(box.y), box.w - 1.0, box.h - 1.0);
     cairo_stroke(c->cr);

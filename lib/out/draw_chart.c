@@ -11,9 +11,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#define PAPER_RGB 0xffffffu
 #define SEA_RGB 0xeef2f5u /* where there is no terrain to show */
-#define INK_RGB 0x202020u
 #define MOST_TAKEN 512
 #define SMALL_PX 40.0      /* objects up to this size are not covered by names */
 #define MOST_ASIDE_PX 24.0 /* names of larger objects stand on them */
@@ -174,12 +172,12 @@ static void draw_name(labels *l, double x, double y, double gap_px, const char *
             cairo_move_to(c->cr, x, y);
             cairo_line_to(c->cr, fmin(fmax(x, box.x), box.x + box.w),
                           fmin(fmax(y, box.y), box.y + box.h));
-            stroke_over(c, INK_RGB, 1.0, false);
+            stroke_over(c, ASDIC_INK_RGB, 1.0, false);
         }
         set_paint(c, 0xffffff, 0.8);
         cairo_rectangle(c->cr, box.x, box.y, box.w, box.h);
         cairo_fill(c->cr);
-        asdic_canvas_color(c, INK_RGB);
+        asdic_canvas_color(c, ASDIC_INK_RGB);
         asdic_canvas_text(c, place, name);
         return;
     }
@@ -278,7 +276,7 @@ static void draw_track(labels *l, const asdic_chart *chart) {
     cairo_restore(c->cr);
     asdic_canvas_color(c, ASDIC_CHART_TRACK_RGB);
     cairo_fill_preserve(c->cr);
-    stroke_over(c, INK_RGB, 1.0, false);
+    stroke_over(c, ASDIC_INK_RGB, 1.0, false);
     l->taken[l->count++] = (asdic_box){x1 - 10.0, y1 - 10.0, 20.0, 20.0};
     if (is_moving(chart)) {
         l->taken[l->count++] = (asdic_box){x0 - 8.0, y0 - 8.0, 16.0, 16.0};
@@ -300,7 +298,7 @@ static asdic_box draw_scale(asdic_canvas *c, const page *p) {
     set_paint(c, 0xffffff, 0.8);
     cairo_rectangle(c->cr, ground.x, ground.y, ground.w, ground.h);
     cairo_fill(c->cr);
-    asdic_canvas_color(c, INK_RGB);
+    asdic_canvas_color(c, ASDIC_INK_RGB);
     cairo_set_line_width(c->cr, 2.0);
     asdic_canvas_line(c, x, y, x + wide, y);
     asdic_canvas_line(c, x, y - 6.0, x, y + 6.0);
@@ -319,7 +317,7 @@ static asdic_box draw_north(asdic_canvas *c, const page *p) {
     set_paint(c, 0xffffff, 0.8);
     cairo_rectangle(c->cr, ground.x, ground.y, ground.w, ground.h);
     cairo_fill(c->cr);
-    asdic_canvas_color(c, INK_RGB);
+    asdic_canvas_color(c, ASDIC_INK_RGB);
     cairo_new_path(c->cr);
     cairo_move_to(c->cr, x, y - 8.0);
     cairo_line_to(c->cr, x + 9.0, y + 32.0);
@@ -367,23 +365,19 @@ asdic_status asdic_draw_chart(asdic_context *ctx, const char *path, const asdic_
     asdic_canvas canvas = {.format = options->format};
     page p;
     asdic_chart_page_init(&p, chart, options);
-    asdic_status status = asdic_canvas_init(ctx, path, p.width, p.height, PAPER_RGB, &canvas);
+    asdic_status status = asdic_canvas_init(ctx, path, p.width, p.height, ASDIC_PAPER_RGB, &canvas);
     status = status ? status : draw_map(&canvas, &p, chart, options->colormap);
-    if (status != ASDIC_OK) {
-        goto done;
+    if (!status) {
+        asdic_canvas_axis_x(&canvas, p.box, &p.x, false);
+        asdic_canvas_axis_y(&canvas, p.box, &p.y, false, false);
+        asdic_canvas_frame(&canvas, p.box);
+        if (p.bar.w > 0.0) {
+            asdic_canvas_scale(&canvas, p.bar, &p.depth, options->colormap, true);
+        }
+        asdic_canvas_legend(&canvas, p.legend, p.entries, p.entry_count);
+        asdic_canvas_frame_text(&canvas, p.box.x, options->title, options->note);
+        status = asdic_canvas_save(&canvas, path, options->texts);
     }
-    asdic_canvas_axis_x(&canvas, p.box, &p.x, false);
-    asdic_canvas_axis_y(&canvas, p.box, &p.y, false, false);
-    asdic_canvas_color(&canvas, INK_RGB);
-    cairo_rectangle(canvas.cr, p.box.x - 0.5, p.box.y - 0.5, p.box.w + 1.0, p.box.h + 1.0);
-    cairo_stroke(canvas.cr);
-    if (p.bar.w > 0.0) {
-        asdic_canvas_scale(&canvas, p.bar, &p.depth, options->colormap, true);
-    }
-    asdic_canvas_legend(&canvas, p.legend, p.entries, p.entry_count);
-    asdic_canvas_frame_text(&canvas, p.box.x, options->title, options->note);
-    status = asdic_canvas_save(&canvas, path, options->texts);
-done:
     asdic_canvas_finish(&canvas);
     return status;
 }

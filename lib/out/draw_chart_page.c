@@ -4,7 +4,6 @@
 
 #include <math.h>
 
-#define BAR_PX 24.0
 #define MOST_WIDE_PX 1100.0
 #define MOST_HIGH_PX 860.0
 #define LEAST_PX 320.0
@@ -120,8 +119,8 @@ void asdic_chart_page_init(page *p, const asdic_chart *chart,
     double beside = 0.0;
     p->depth.label = "depth (m)";
     if (has_depth) {
-        p->bar = (asdic_box){.w = BAR_PX, .h = p->box.h};
-        beside = 28.0 + BAR_PX + asdic_canvas_axis_y_room(&p->depth, p->bar.h);
+        p->bar = (asdic_box){.w = ASDIC_BAR_PX, .h = p->box.h};
+        beside = 28.0 + ASDIC_BAR_PX + asdic_canvas_axis_y_room(&p->depth, p->bar.h);
     }
     list_entries(p, chart);
     p->legend = (asdic_box){p->box.x, ASDIC_MARGIN_PX + asdic_canvas_title_room(options->title),

@@ -6,10 +6,7 @@
 #include <math.h>
 #include <stdio.h>
 
-#define PAPER_RGB 0xffffffu
 #define RING_RGB 0x8b98a5u
-#define INK_RGB 0x202020u
-#define BAR_PX 24.0
 #define OUTER_LABEL_PX 16.0 /* the outermost range of a full circle stands inside */
 #define LABEL_ROOM_PX 56.0  /* bearings outside the arc, ranges along the edge */
 
@@ -30,7 +27,8 @@ static page lay_out(const asdic_fan *fan, const asdic_picture_options *options, 
                           (double)p.sector.width, (double)p.sector.height};
     p.apex_x = p.image.x + p.sector.apex_x_px;
     p.apex_y = p.image.y + p.sector.apex_y_px;
-    p.bar = (asdic_box){p.image.x + p.image.w + LABEL_ROOM_PX + 40.0, p.image.y, BAR_PX, p.image.h};
+    p.bar = (asdic_box){p.image.x + p.image.w + LABEL_ROOM_PX + 40.0, p.image.y, ASDIC_BAR_PX,
+                        p.image.h};
     p.width = p.bar.x + p.bar.w + asdic_canvas_color_bar_room(options, p.bar.h) + ASDIC_MARGIN_PX;
     p.width = fmax(p.width, 700.0); /* of the texts */
     p.height = p.image.y + p.image.h + LABEL_ROOM_PX + ASDIC_MARGIN_PX +
@@ -62,7 +60,7 @@ static void label_astern(asdic_canvas *c, const page *p, double radius_px, const
     cairo_set_source_rgba(c->cr, 1.0, 1.0, 1.0, 0.8);
     cairo_rectangle(c->cr, x - 0.5 * wide, y - 0.5 * high, wide, high);
     cairo_fill(c->cr);
-    asdic_canvas_color(c, INK_RGB);
+    asdic_canvas_color(c, ASDIC_INK_RGB);
     asdic_canvas_text(
         c, (asdic_text){.x = x, .y = y, .align_x = 0.5, .align_y = 0.5, .size_px = ASDIC_TEXT_PX},
         label);
@@ -78,7 +76,7 @@ static void label_ring(asdic_canvas *c, const page *p, double radius_px, const c
     double out_x = cos(edge), out_y = sin(edge); /* across the edge, away from the sector */
     place(p, radius_px, edge, &x, &y);
     asdic_canvas_line(c, x, y, x + 7.0 * out_x, y + 7.0 * out_y);
-    asdic_canvas_color(c, INK_RGB);
+    asdic_canvas_color(c, ASDIC_INK_RGB);
     asdic_canvas_text(c,
                       (asdic_text){.x = x + 12.0 * out_x,
                                    .y = y + 12.0 * out_y,
@@ -151,7 +149,7 @@ static void draw_bearings(asdic_canvas *c, const page *p, bool is_section) {
         asdic_canvas_line(c, x0, y0, x1, y1);
         asdic_axis_label(number, asdic_fan_shown_deg(is_section, bearing), 1.0);
         snprintf(label, sizeof label, "%s\u00b0", number);
-        asdic_canvas_color(c, INK_RGB);
+        asdic_canvas_color(c, ASDIC_INK_RGB);
         asdic_canvas_text(c,
                           (asdic_text){.x = x2,
                                        .y = y2,
@@ -192,18 +190,14 @@ asdic_status asdic_draw_fan(asdic_context *ctx, const char *path, const asdic_fa
     asdic_raster raster = {0};
     asdic_draw_note(note, options, NULL);
     page p = lay_out(fan, options, note);
-    asdic_status status = asdic_raster_fan(ctx, fan, &p.sector, options, PAPER_RGB, &raster);
-    if (status != ASDIC_OK) {
-        goto done;
+    asdic_status status = asdic_raster_fan(ctx, fan, &p.sector, options, ASDIC_PAPER_RGB, &raster);
+    status =
+        status ? status : asdic_canvas_init(ctx, path, p.width, p.height, ASDIC_PAPER_RGB, &canvas);
+    if (!status) {
+        asdic_canvas_raster(&canvas, &raster, p.image);
+        decorate(&canvas, &p, fan, options, note);
+        status = asdic_canvas_save(&canvas, path, options->texts);
     }
-    status = asdic_canvas_init(ctx, path, p.width, p.height, PAPER_RGB, &canvas);
-    if (status != ASDIC_OK) {
-        goto done;
-    }
-    asdic_canvas_raster(&canvas, &raster, p.image);
-    decorate(&canvas, &p, fan, options, note);
-    status = asdic_canvas_save(&canvas, path, options->texts);
-done:
     asdic_canvas_finish(&canvas);
     asdic_raster_finish(&raster);
     return status;

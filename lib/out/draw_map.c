@@ -3,9 +3,6 @@
 
 #include <math.h>
 
-#define PAPER_RGB 0xffffffu
-#define INK_RGB 0x202020u
-#define BAR_PX 24.0
 #define LEAST_PX 300.0 /* room for the axes of a narrow map */
 
 typedef struct page {
@@ -31,7 +28,7 @@ static page lay_out(const asdic_map *map, const asdic_raster *raster,
     p.box.w = floor((double)raster->width * stretch);
     p.box.h = floor((double)raster->height * stretch);
     p.box.x = ASDIC_MARGIN_PX + ceil(asdic_canvas_axis_y_room(&p.north, p.box.h));
-    p.bar = (asdic_box){.x = p.box.x + p.box.w + 28.0, .w = BAR_PX, .h = p.box.h};
+    p.bar = (asdic_box){.x = p.box.x + p.box.w + 28.0, .w = ASDIC_BAR_PX, .h = p.box.h};
     p.width = fmax(p.bar.x + p.bar.w + asdic_canvas_axis_y_room(&p.value, p.box.h) +
                        2.0 * ASDIC_MARGIN_PX,
                    700.0);
@@ -43,14 +40,6 @@ static page lay_out(const asdic_map *map, const asdic_raster *raster,
     p.height = p.box.y + p.box.h + 4.0 * ASDIC_TEXT_PX + ASDIC_MARGIN_PX +
                asdic_canvas_note_room(options->note, p.box.x, p.width);
     return p;
-}
-
-static void frame(asdic_canvas *c, asdic_box box) {
-    cairo_new_path(c->cr);
-    asdic_canvas_color(c, INK_RGB);
-    cairo_set_line_width(c->cr, 1.0);
-    cairo_rectangle(c->cr, box.x - 0.5, box.y - 0.5, box.w + 1.0, box.h + 1.0);
-    cairo_stroke(c->cr);
 }
 
 static void draw_line(asdic_canvas *c, const page *p, const asdic_series *line) {
@@ -77,22 +66,20 @@ asdic_status asdic_draw_map(asdic_context *ctx, const char *path, const asdic_ma
                             const asdic_raster *raster, const asdic_picture_options *options) {
     asdic_canvas canvas = {.format = options->format};
     page p = lay_out(map, raster, options);
-    asdic_status status = asdic_canvas_init(ctx, path, p.width, p.height, PAPER_RGB, &canvas);
-    if (status != ASDIC_OK) {
-        goto done;
+    asdic_status status = asdic_canvas_init(ctx, path, p.width, p.height, ASDIC_PAPER_RGB, &canvas);
+    if (!status) {
+        asdic_canvas_raster(&canvas, raster, p.box);
+        for (size_t i = 0; i < map->line_count; i++) {
+            draw_line(&canvas, &p, &map->lines[i]);
+        }
+        asdic_canvas_axis_x(&canvas, p.box, &p.east, false);
+        asdic_canvas_axis_y(&canvas, p.box, &p.north, false, false);
+        asdic_canvas_scale(&canvas, p.bar, &p.value, options->colormap, false);
+        asdic_canvas_frame(&canvas, p.box);
+        asdic_canvas_legend(&canvas, p.legend, map->lines, map->line_count);
+        asdic_canvas_frame_text(&canvas, p.box.x, options->title, options->note);
+        status = asdic_canvas_save(&canvas, path, options->texts);
     }
-    asdic_canvas_raster(&canvas, raster, p.box);
-    for (size_t i = 0; i < map->line_count; i++) {
-        draw_line(&canvas, &p, &map->lines[i]);
-    }
-    asdic_canvas_axis_x(&canvas, p.box, &p.east, false);
-    asdic_canvas_axis_y(&canvas, p.box, &p.north, false, false);
-    asdic_canvas_scale(&canvas, p.bar, &p.value, options->colormap, false);
-    frame(&canvas, p.box);
-    asdic_canvas_legend(&canvas, p.legend, map->lines, map->line_count);
-    asdic_canvas_frame_text(&canvas, p.box.x, options->title, options->note);
-    status = asdic_canvas_save(&canvas, path, options->texts);
-done:
     asdic_canvas_finish(&canvas);
     return status;
 }

@@ -8,9 +8,6 @@
 #include <math.h>
 #include <stdio.h>
 
-#define PAPER_RGB 0xffffffu
-#define INK_RGB 0x202020u
-#define BAR_PX 24.0
 #define GAP_PX 28.0
 #define PANEL_PX 480.0
 #define MOST_NAMES 16 /* more beams are numbered */
@@ -50,8 +47,8 @@ static page lay_out(const asdic_overview *o, const asdic_overview_axes *axes,
         p.box[i] = (asdic_box){
             x, ASDIC_MARGIN_PX + asdic_canvas_title_room(options->title) + 1.6 * ASDIC_TEXT_PX,
             wide, high};
-        p.bar[i] = (asdic_box){x + wide + GAP_PX, p.box[i].y, BAR_PX, high};
-        x = p.bar[i].x + BAR_PX + ceil(asdic_canvas_axis_y_room(&p.scale[i], high)) + GAP_PX +
+        p.bar[i] = (asdic_box){x + wide + GAP_PX, p.box[i].y, ASDIC_BAR_PX, high};
+        x = p.bar[i].x + ASDIC_BAR_PX + ceil(asdic_canvas_axis_y_room(&p.scale[i], high)) + GAP_PX +
             (i == 0 ? ceil(asdic_canvas_axis_y_room(&p.time, high)) : 0.0);
     }
     p.width = x - GAP_PX + ASDIC_MARGIN_PX;
@@ -67,7 +64,7 @@ static asdic_status draw_panel(asdic_canvas *c, asdic_box box, const asdic_overv
     TRY(asdic_raster_init(c->ctx, o->columns, o->rows, &raster));
     for (size_t i = 0; i < o->rows * o->columns; i++) {
         double share = (values[i] - scale->low) / (scale->high - scale->low);
-        uint32_t rgb = PAPER_RGB;
+        uint32_t rgb = ASDIC_PAPER_RGB;
         if (!isnan(share)) {
             rgb = asdic_colormap_rgb(map, (unsigned)fmin(fmax(256.0 * share, 0.0), 255.0));
         }
@@ -142,20 +139,17 @@ asdic_status asdic_draw_overview(asdic_context *ctx, const char *path,
     const double *values[2] = {overview->shown_db, overview->range_m};
     note_groups(note, overview, options);
     page p = lay_out(overview, axes, options, note);
-    asdic_status status = asdic_canvas_init(ctx, path, p.width, p.height, PAPER_RGB, &canvas);
+    asdic_status status = asdic_canvas_init(ctx, path, p.width, p.height, ASDIC_PAPER_RGB, &canvas);
     for (int i = 0; i < 2 && status == ASDIC_OK; i++) {
         asdic_canvas_set_style(&canvas, NULL);
         status = draw_panel(&canvas, p.box[i], overview, values[i], &p.scale[i], options->colormap);
-        asdic_canvas_color(&canvas, INK_RGB);
+        asdic_canvas_color(&canvas, ASDIC_INK_RGB);
         if (has_names(p.box[i], overview, axes->names)) {
             name_beams(&canvas, p.box[i], overview, axes->names);
         } else {
             asdic_canvas_axis_x(&canvas, p.box[i], &p.beams, false);
         }
-        asdic_canvas_color(&canvas, INK_RGB);
-        cairo_rectangle(canvas.cr, p.box[i].x - 0.5, p.box[i].y - 0.5, p.box[i].w + 1.0,
-                        p.box[i].h + 1.0);
-        cairo_stroke(canvas.cr);
+        asdic_canvas_frame(&canvas, p.box[i]);
         asdic_canvas_text(
             &canvas,
             (asdic_text){
@@ -166,12 +160,10 @@ asdic_status asdic_draw_overview(asdic_context *ctx, const char *path,
         }
         asdic_canvas_scale(&canvas, p.bar[i], &p.scale[i], options->colormap, false);
     }
-    if (status != ASDIC_OK) {
-        goto done;
+    if (!status) {
+        asdic_canvas_frame_text(&canvas, p.box[0].x, options->title, note);
+        status = asdic_canvas_save(&canvas, path, options->texts);
     }
-    asdic_canvas_frame_text(&canvas, p.box[0].x, options->title, note);
-    status = asdic_canvas_save(&canvas, path, options->texts);
-done:
     asdic_canvas_finish(&canvas);
     return status;
 }

@@ -4,8 +4,6 @@
 #include <math.h>
 #include <string.h>
 
-#define PAPER_RGB 0xffffffu
-#define INK_RGB 0x202020u
 #define BOX_WIDTH_PX 1040.0
 
 bool asdic_picture_annotated(void) {
@@ -25,10 +23,7 @@ static void draw_panel(asdic_canvas *c, asdic_box box, const asdic_plot *plot, b
         asdic_canvas_curve(c, box, &plot->x, &plot->y, &plot->series[i]);
     }
     cairo_restore(c->cr);
-    cairo_new_path(c->cr);
-    asdic_canvas_color(c, INK_RGB);
-    cairo_rectangle(c->cr, box.x - 0.5, box.y - 0.5, box.w + 1.0, box.h + 1.0);
-    cairo_stroke(c->cr);
+    asdic_canvas_frame(c, box);
     if (plot->title) {
         asdic_canvas_text_fit(
             c, (asdic_text){.x = box.x, .y = box.y - 10.0, .size_px = ASDIC_TEXT_PX, .bold = true},
@@ -112,22 +107,20 @@ asdic_status asdic_draw_plot(asdic_context *ctx, const char *path, const asdic_p
     char note[ASDIC_NOTE_SIZE];
     asdic_draw_note(note, options, NULL);
     page p = lay_out(panels, panel_count, options, note);
-    asdic_status status = asdic_canvas_init(ctx, path, p.width, p.height, PAPER_RGB, &canvas);
-    if (status != ASDIC_OK) {
-        goto done;
+    asdic_status status = asdic_canvas_init(ctx, path, p.width, p.height, ASDIC_PAPER_RGB, &canvas);
+    if (!status) {
+        asdic_canvas_legend(&canvas, (asdic_box){p.left, p.legend_y, BOX_WIDTH_PX, 0.0},
+                            panels[0].series, panels[0].series_count);
+        asdic_box box = {p.left, p.first_y, BOX_WIDTH_PX, p.panel_h};
+        for (size_t i = 0; i < panel_count; i++) {
+            box.y += draw_own_legend(NULL, box, &panels[i], panels);
+            draw_panel(&canvas, box, &panels[i], !p.common || i + 1 == panel_count);
+            draw_own_legend(&canvas, box, &panels[i], panels);
+            box.y += p.pitch;
+        }
+        asdic_canvas_frame_text(&canvas, p.left, options->title, note);
+        status = asdic_canvas_save(&canvas, path, options->texts);
     }
-    asdic_canvas_legend(&canvas, (asdic_box){p.left, p.legend_y, BOX_WIDTH_PX, 0.0},
-                        panels[0].series, panels[0].series_count);
-    asdic_box box = {p.left, p.first_y, BOX_WIDTH_PX, p.panel_h};
-    for (size_t i = 0; i < panel_count; i++) {
-        box.y += draw_own_legend(NULL, box, &panels[i], panels);
-        draw_panel(&canvas, box, &panels[i], !p.common || i + 1 == panel_count);
-        draw_own_legend(&canvas, box, &panels[i], panels);
-        box.y += p.pitch;
-    }
-    asdic_canvas_frame_text(&canvas, p.left, options->title, note);
-    status = asdic_canvas_save(&canvas, path, options->texts);
-done:
     asdic_canvas_finish(&canvas);
     return status;
 }

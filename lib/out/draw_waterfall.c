@@ -3,10 +3,6 @@
 
 #include <math.h>
 
-#define PAPER_RGB 0xffffffu
-#define INK_RGB 0x202020u
-#define BAR_PX 24.0
-
 /* Whole pixels per level keep the raster crisp. */
 static double pixels_each(size_t count, double fill_px, double most_px, double least_total_px) {
     double each = fmin(fmax(1.0, floor(fill_px / (double)count)), most_px);
@@ -35,7 +31,7 @@ static page lay_out(const asdic_waterfall *waterfall, const asdic_decimator *lev
     p.box.h = (double)levels->rows * pixels_each(levels->rows, 720.0, 40.0, 160.0);
     p.box.x = ASDIC_MARGIN_PX + ceil(asdic_canvas_axis_y_room(&p.time, p.box.h));
     p.box.y = ASDIC_MARGIN_PX + asdic_canvas_title_room(options->title);
-    p.bar = (asdic_box){p.box.x + p.box.w + 28.0, p.box.y, BAR_PX, p.box.h};
+    p.bar = (asdic_box){p.box.x + p.box.w + 28.0, p.box.y, ASDIC_BAR_PX, p.box.h};
     p.width = p.bar.x + p.bar.w + asdic_canvas_color_bar_room(options, p.bar.h) + ASDIC_MARGIN_PX;
     p.height = p.box.y + p.box.h + 4.0 * ASDIC_TEXT_PX + ASDIC_MARGIN_PX +
                asdic_canvas_note_room(note, p.box.x, p.width);
@@ -48,9 +44,7 @@ static void decorate(asdic_canvas *c, const page *p, const asdic_picture_options
     if (has_time) {
         asdic_canvas_axis_y(c, p->box, &p->time, true, false);
     }
-    asdic_canvas_color(c, INK_RGB);
-    cairo_rectangle(c->cr, p->box.x - 0.5, p->box.y - 0.5, p->box.w + 1.0, p->box.h + 1.0);
-    cairo_stroke(c->cr);
+    asdic_canvas_frame(c, p->box);
     asdic_canvas_color_bar(c, p->bar, options);
     asdic_canvas_frame_text(c, p->box.x, options->title, note);
 }
@@ -69,17 +63,13 @@ asdic_status asdic_draw_waterfall(asdic_context *ctx, const char *path,
     asdic_draw_note(note, options, levels);
     page p = lay_out(waterfall, levels, options, note);
     asdic_status status = asdic_raster_levels(ctx, &shown, options, &raster);
-    if (status != ASDIC_OK) {
-        goto done;
+    status =
+        status ? status : asdic_canvas_init(ctx, path, p.width, p.height, ASDIC_PAPER_RGB, &canvas);
+    if (!status) {
+        asdic_canvas_raster(&canvas, &raster, p.box);
+        decorate(&canvas, &p, options, note, waterfall->pings > 1);
+        status = asdic_canvas_save(&canvas, path, options->texts);
     }
-    status = asdic_canvas_init(ctx, path, p.width, p.height, PAPER_RGB, &canvas);
-    if (status != ASDIC_OK) {
-        goto done;
-    }
-    asdic_canvas_raster(&canvas, &raster, p.box);
-    decorate(&canvas, &p, options, note, waterfall->pings > 1);
-    status = asdic_canvas_save(&canvas, path, options->texts);
-done:
     asdic_canvas_finish(&canvas);
     asdic_raster_finish(&raster);
     return status;
