@@ -92,56 +92,48 @@ asdic_status asdic_roc_write_csv(asdic_context *ctx, const char *path, const cha
                        print_reach, names, rocs, count);
 }
 
-/* Columns of numbers, as plots take them. */
+/* Columns of numbers, as plots take them: what P_D is over, and what is drawn of it. */
+enum { OVER, LOW, HIGH, VALUE, CLOSED, MODEL_LOW, MODEL_HIGH, COLUMNS };
+
 typedef struct columns {
-    double *x, *value, *low, *high, *closed, *model_low, *model_high;
+    double *of[COLUMNS];
     size_t count;
 } columns;
 
 static bool columns_init(columns *c, size_t count) {
+    double *all = malloc(COLUMNS * (count + 1) * sizeof *all);
     c->count = count;
-    c->x = malloc(7 * (count + 1) * sizeof *c->x);
-    c->value = c->x ? c->x + count : NULL;
-    c->low = c->x ? c->x + 2 * count : NULL;
-    c->high = c->x ? c->x + 3 * count : NULL;
-    c->closed = c->x ? c->x + 4 * count : NULL;
-    c->model_low = c->x ? c->x + 5 * count : NULL;
-    c->model_high = c->x ? c->x + 6 * count : NULL;
-    return c->x != NULL;
+    for (size_t k = 0; all && k < COLUMNS; k++) {
+        c->of[k] = all + k * count;
+    }
+    return all != NULL;
+}
+
+static void put(columns *c, size_t i, double over, asdic_estimate pd, double closed_pd,
+                asdic_band model_pd) {
+    const double row[COLUMNS] = {over,      pd.low,       pd.high,      pd.value,
+                                 closed_pd, model_pd.low, model_pd.high};
+    for (size_t k = 0; k < COLUMNS; k++) {
+        c->of[k][i] = row[k];
+    }
 }
 
 static bool curve_of(const asdic_roc *roc, columns *c) {
-    if (!columns_init(c, roc->point_count)) {
-        return false;
-    }
-    for (size_t i = 0; i < c->count; i++) {
+    bool has_room = columns_init(c, roc->point_count);
+    for (size_t i = 0; has_room && i < c->count; i++) {
         const asdic_roc_point *p = &roc->points[i];
-        c->x[i] = p->design_pfa;
-        c->value[i] = p->pd.value;
-        c->low[i] = p->pd.low;
-        c->high[i] = p->pd.high;
-        c->closed[i] = p->closed_pd;
-        c->model_low[i] = p->model_pd.low;
-        c->model_high[i] = p->model_pd.high;
+        put(c, i, p->design_pfa, p->pd, p->closed_pd, p->model_pd);
     }
-    return true;
+    return has_room;
 }
 
 static bool reach_of(const asdic_roc *roc, columns *c) {
-    if (!columns_init(c, roc->reach_count)) {
-        return false;
-    }
-    for (size_t i = 0; i < c->count; i++) {
+    bool has_room = columns_init(c, roc->reach_count);
+    for (size_t i = 0; has_room && i < c->count; i++) {
         const asdic_roc_reach *r = &roc->reach[i];
-        c->x[i] = r->range_m;
-        c->value[i] = r->pd.value;
-        c->low[i] = r->pd.low;
-        c->high[i] = r->pd.high;
-        c->closed[i] = r->closed_pd;
-        c->model_low[i] = r->model_pd.low;
-        c->model_high[i] = r->model_pd.high;
+        put(c, i, r->range_m, r->pd, r->closed_pd, r->model_pd);
     }
-    return true;
+    return has_room;
 }
 
 /* Half way to white: bounds stand back behind what they bound. */
@@ -150,16 +142,14 @@ static uint32_t pale(uint32_t rgb) {
 }
 
 static size_t add_lines(asdic_series *out, const columns *c, uint32_t rgb, const char *label) {
-    asdic_series line = {.x = c->x, .count = c->count, .rgb = rgb};
-    const double *y[LINES_EACH] = {c->low,    c->high,      c->value,
-                                   c->closed, c->model_low, c->model_high};
+    asdic_series line = {.x = c->of[OVER], .count = c->count, .rgb = rgb};
     static const double width[LINES_EACH] = {0.7, 0.7, 1.8, 1.0, 1.0, 1.0};
     static const asdic_line_style style[LINES_EACH] = {ASDIC_LINE_SOLID,  ASDIC_LINE_SOLID,
                                                        ASDIC_LINE_SOLID,  ASDIC_LINE_DASHED,
                                                        ASDIC_LINE_DOTTED, ASDIC_LINE_DOTTED};
     for (int k = 0; k < LINES_EACH; k++) { /* NAN is not drawn */
         out[k] = line;
-        out[k].y = y[k];
+        out[k].y = c->of[LOW + k];
         out[k].width = width[k];
         out[k].style = style[k];
         out[k].label = k == 2 ? label : NULL;
@@ -173,8 +163,8 @@ static double lowest(const columns *curves, size_t count) {
     double least = 1.0;
     for (size_t i = 0; i < count; i++) {
         for (size_t k = 0; k < curves[i].count; k++) {
-            least = fmin(least, fmin(curves[i].low[k], curves[i].closed[k]));
-            least = fmin(least, curves[i].model_low[k]); /* NAN gives way */
+            least = fmin(least, fmin(curves[i].of[LOW][k], curves[i].of[CLOSED][k]));
+            least = fmin(least, curves[i].of[MODEL_LOW][k]); /* NAN gives way */
         }
     }
     double rest = fmax(1.0 - least, 1e-6);
@@ -198,8 +188,8 @@ typedef struct drawing {
 
 static void drawing_finish(drawing *d) {
     for (size_t i = 0; i < MOST_CURVES; i++) {
-        free(d->curve[i].x);
-        free(d->reach[i].x);
+        free(d->curve[i].of[0]);
+        free(d->reach[i].of[0]);
     }
     free(d);
 }
@@ -217,7 +207,7 @@ static bool add_curves(drawing *d, const char *const *names, asdic_roc *const *r
         d->range_line_count +=
             add_lines(d->range_lines + d->range_line_count, &d->reach[i], colors[i], NULL);
         for (size_t k = 0; k < d->reach[i].count; k++) {
-            d->farthest_m = fmax(d->farthest_m, d->reach[i].x[k]);
+            d->farthest_m = fmax(d->farthest_m, d->reach[i].of[OVER][k]);
         }
     }
     return true;
@@ -262,7 +252,7 @@ static asdic_status draw(asdic_context *ctx, const char *path, const char *title
                             .series_count = d->range_line_count}};
     asdic_picture_options options = asdic_picture_options_default();
     const char *const texts[] = {"Software", "asdic", "Title", title, NULL};
-    bool has_model = d->curve[0].count > 0 && !isnan(d->curve[0].model_low[0]);
+    bool has_model = d->curve[0].count > 0 && !isnan(d->curve[0].of[MODEL_LOW][0]);
     options.title = title;
     options.texts = texts;
     options.note =
