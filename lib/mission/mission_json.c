@@ -61,25 +61,6 @@ static void print_scalar(const asdic_yaml_node *node, asdic_text *text) {
     }
 }
 
-static void print_node(const asdic_yaml_node *node, asdic_text *text) {
-    const char *comma = "";
-    if (node->kind == ASDIC_YAML_SCALAR) {
-        print_scalar(node, text);
-        return;
-    }
-    asdic_text_add(text, node->kind == ASDIC_YAML_MAP ? "{" : "[");
-    for (const asdic_yaml_node *child = node->first; child; child = child->next) {
-        asdic_text_add(text, comma);
-        if (child->key) {
-            asdic_text_add_json(text, child->key);
-            asdic_text_add(text, ": ");
-        }
-        print_node(child, text);
-        comma = ", ";
-    }
-    asdic_text_add(text, node->kind == ASDIC_YAML_MAP ? "}" : "]");
-}
-
 static asdic_status print_file(asdic_context *ctx, const char *path, asdic_arena *arena,
                                asdic_problems *problems, asdic_text *out) {
     char *bytes = NULL;
@@ -92,7 +73,7 @@ static asdic_status print_file(asdic_context *ctx, const char *path, asdic_arena
     asdic_status status =
         has_memory ? asdic_problems_report(problems, ctx) : asdic_fail_memory(ctx, "a scene");
     if (!status) {
-        print_node(root, out);
+        asdic_yaml_print_flow(root, true, print_scalar, out);
     }
     free(text);
     return status;

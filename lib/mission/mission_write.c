@@ -80,22 +80,17 @@ static bool is_law_key(const char *name, bool is_file) {
     return false;
 }
 
+static bool is_no_law(const asdic_yaml_node *child, const void *unused) {
+    (void)unused;
+    return !is_law_key(child->key, false);
+}
+
 /* The law of MATERIAL in place of what MAP says; that of a file is still what MAP says. */
 static void set_law(rewriter *r, asdic_yaml_node *map, const asdic_material *material) {
     if (!material->law || material->row_count) {
         return;
     }
-    asdic_yaml_node *child = map->first;
-    map->first = map->last = NULL;
-    map->count = 0;
-    while (child) {
-        asdic_yaml_node *next = child->next;
-        if (!is_law_key(child->key, false)) {
-            child->next = NULL;
-            asdic_yaml_append(map, child);
-        }
-        child = next;
-    }
+    asdic_yaml_filter(map, is_no_law, NULL);
     for (size_t k = 0; k < material->law->model.key_count; k++) {
         const asdic_model_key *key = &material->law->model.keys[k];
         int length = 0;

@@ -160,28 +160,12 @@ static bool is_some(const asdic_yaml_node *node, const void *unused) {
 
 /* --- all of a run ------------------------------------------------------------------------------ */
 
-/* NODE on one line. */
-static void print_flow(const asdic_yaml_node *node, asdic_text *text) {
-    const char *comma = "";
-    if (node->kind == ASDIC_YAML_SCALAR) {
-        if (node->quoted) {
-            asdic_text_add_json(text, node->text);
-        } else {
-            asdic_text_add(text, node->length ? node->text : "null");
-        }
-        return;
+static void print_scalar(const asdic_yaml_node *node, asdic_text *text) {
+    if (node->quoted) {
+        asdic_text_add_json(text, node->text);
+    } else {
+        asdic_text_add(text, node->length ? node->text : "null");
     }
-    asdic_text_add(text, node->kind == ASDIC_YAML_MAP ? "{" : "[");
-    for (const asdic_yaml_node *child = node->first; child; child = child->next) {
-        asdic_text_add(text, comma);
-        if (child->key) {
-            asdic_text_add_bytes(text, child->key, child->key_length);
-            asdic_text_add(text, ": ");
-        }
-        print_flow(child, text);
-        comma = ", ";
-    }
-    asdic_text_add(text, node->kind == ASDIC_YAML_MAP ? "}" : "]");
 }
 
 /* Whether KEY lies in a list's entry that was drawn as `none`. */
@@ -234,7 +218,7 @@ static bool is_in_set(const asdic_drawn *drawn, const char *key) {
 static void remember(const drawer *d, const char *key, const asdic_yaml_node *node,
                      asdic_drawn *drawn) {
     asdic_text text = {0};
-    print_flow(node, &text);
+    asdic_yaml_print_flow(node, false, print_scalar, &text);
     const char *value = text.data && !text.failed
                             ? asdic_arena_string(d->reader.arena, text.data, text.length)
                             : NULL;

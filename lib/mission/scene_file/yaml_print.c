@@ -84,3 +84,26 @@ static void print_children(asdic_text *text, const asdic_yaml_node *node, unsign
 void asdic_yaml_print(const asdic_yaml_node *root, asdic_text *text) {
     print_children(text, root, 0);
 }
+
+void asdic_yaml_print_flow(const asdic_yaml_node *node, bool is_json,
+                           void (*scalar)(const asdic_yaml_node *node, asdic_text *text),
+                           asdic_text *text) {
+    const char *comma = "";
+    if (node->kind == ASDIC_YAML_SCALAR) {
+        scalar(node, text);
+        return;
+    }
+    asdic_text_add(text, node->kind == ASDIC_YAML_MAP ? "{" : "[");
+    for (const asdic_yaml_node *child = node->first; child; child = child->next) {
+        asdic_text_add(text, comma);
+        if (child->key && is_json) {
+            asdic_text_add_json(text, child->key);
+        } else if (child->key) {
+            asdic_text_add_bytes(text, child->key, child->key_length);
+        }
+        asdic_text_add(text, child->key ? ": " : "");
+        asdic_yaml_print_flow(child, is_json, scalar, text);
+        comma = ", ";
+    }
+    asdic_text_add(text, node->kind == ASDIC_YAML_MAP ? "}" : "]");
+}

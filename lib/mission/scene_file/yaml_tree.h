@@ -67,4 +67,9 @@ void asdic_yaml_key_problem(asdic_problems *problems, asdic_yaml_node *node, con
 /* What ROOT holds, appended to TEXT: the same values as it was read from, without comments. */
 void asdic_yaml_print(const asdic_yaml_node *root, asdic_text *text);
 
+/* NODE on one line, scalars by SCALAR; as JSON keys have quotes. */
+void asdic_yaml_print_flow(const asdic_yaml_node *node, bool is_json,
+                           void (*scalar)(const asdic_yaml_node *node, asdic_text *text),
+                           asdic_text *text);
+
 #endif
