@@ -73,19 +73,7 @@ static asdic_status take(void *user, size_t ping, const asdic_ping *result) {
 /* Lists a device of another process for run.json. */
 static void name_device(void *user, const char *device) {
     asdic_run_job *job = ((taker *)user)->job;
-    asdic_run_facts *f = &job->facts;
-    for (size_t i = 0; i < f->device_count; i++) {
-        if (strcmp(f->devices[i], device) == 0) {
-            return;
-        }
-    }
-    const char **more = asdic_arena_alloc(&job->arena, (f->device_count + 1) * sizeof *more);
-    const char *copy = asdic_arena_string(&job->arena, device, strlen(device));
-    if (more && copy) {
-        memcpy(more, f->devices, f->device_count * sizeof *more);
-        more[f->device_count++] = copy;
-        f->devices = more;
-    }
+    asdic_run_facts_add_device(&job->facts, &job->arena, device);
 }
 
 /* Simulates the next pings, to END. The other processes of a team help with the last ones only: they

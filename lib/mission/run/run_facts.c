@@ -22,13 +22,14 @@ const char *const asdic_run_multipath_names[ASDIC_RUN_MULTIPATH_COUNT] = {
     [ASDIC_MULTIPATH_FIRST] = "first",
     [ASDIC_MULTIPATH_BOUNDARIES] = "boundaries"};
 
-const asdic_run_time_key asdic_run_time_keys[ASDIC_RUN_TIME_COUNT] = {
-    {"setup", offsetof(asdic_run_times, setup_s)},
-    {"simulate", offsetof(asdic_run_times, simulate_s)},
-    {"devices", offsetof(asdic_run_times, devices_s)},
-    {"write", offsetof(asdic_run_times, write_s)},
-    {"pictures", offsetof(asdic_run_times, pictures_s)},
-    {"whole", offsetof(asdic_run_times, whole_s)}};
+const char *const asdic_run_time_names[ASDIC_RUN_TIME_COUNT] = {"setup", "simulate", "devices",
+                                                                "write", "pictures", "whole"};
+
+double *asdic_run_time(asdic_run_times *t, size_t index) {
+    double *const times[ASDIC_RUN_TIME_COUNT] = {&t->setup_s, &t->simulate_s, &t->devices_s,
+                                                 &t->write_s, &t->pictures_s, &t->whole_s};
+    return times[index];
+}
 
 const asdic_run_uncertain_key asdic_run_uncertain_keys[ASDIC_RUN_UNCERTAIN_COUNT] = {
     {"bottom", ASDIC_BOTTOM}, {"surface", ASDIC_SURFACE}, {"object", ASDIC_OBJECT}};
@@ -61,6 +62,25 @@ const char *asdic_run_facts_differ(const asdic_run_facts *a, const asdic_run_fac
         return "choice of terms";
     }
     return strcmp(a->version, b->version) != 0 ? "version of asdic" : NULL;
+}
+
+bool asdic_run_facts_add_device(asdic_run_facts *f, asdic_arena *arena, const char *device) {
+    for (size_t i = 0; i < f->device_count; i++) {
+        if (strcmp(f->devices[i], device) == 0) {
+            return true;
+        }
+    }
+    const char **more = asdic_arena_alloc(arena, (f->device_count + 1) * sizeof *more);
+    const char *copy = asdic_arena_string(arena, device, strlen(device));
+    if (!more || !copy) {
+        return false;
+    }
+    for (size_t i = 0; i < f->device_count; i++) {
+        more[i] = f->devices[i];
+    }
+    more[f->device_count++] = copy;
+    f->devices = more;
+    return true;
 }
 
 void asdic_run_facts_statistics(asdic_run_facts *facts, const asdic_statistics *statistics) {
@@ -233,12 +253,12 @@ static void add_elements(asdic_text *json, const asdic_run_elements *e) {
 }
 
 static void add_results(asdic_text *json, const asdic_run_facts *facts) {
+    asdic_run_times times = facts->times;
     char a[ASDIC_DIGITS_SIZE], b[ASDIC_DIGITS_SIZE], c[ASDIC_DIGITS_SIZE];
     asdic_text_add(json, "  \"time_s\": {");
     for (size_t i = 0; i < ASDIC_RUN_TIME_COUNT; i++) {
-        double time_s = *(const double *)((const char *)&facts->times + asdic_run_time_keys[i].at);
-        asdic_text_format(json, "%s\"%s\": %s", i ? ", " : "", asdic_run_time_keys[i].name,
-                          number_or_null(a, "%.3f", time_s));
+        asdic_text_format(json, "%s\"%s\": %s", i ? ", " : "", asdic_run_time_names[i],
+                          number_or_null(a, "%.3f", *asdic_run_time(&times, i)));
     }
     asdic_text_add(json, "},\n");
     asdic_text_format(json, "  \"rays_per_s\": %s,\n",

@@ -76,6 +76,9 @@ asdic_status asdic_run_facts_write(asdic_context *ctx, const char *folder,
 /* Where TEXT, a run.json, states the sum of what stands before it, sets that right. */
 void asdic_run_facts_sign(char *text, size_t length);
 
+/* Lists DEVICE, unless it is listed; its name is ARENA's then. False when memory is short. */
+bool asdic_run_facts_add_device(asdic_run_facts *facts, asdic_arena *arena, const char *device);
+
 /* Fills in the figures of STATISTICS, which must be ended. */
 void asdic_run_facts_statistics(asdic_run_facts *facts, const struct asdic_statistics *statistics);
 
@@ -92,11 +95,6 @@ const char *asdic_run_sampler_name(asdic_sampler sampler);
 
 /* --- words and keys of run.json, which is written and read by them --- */
 
-typedef struct asdic_run_time_key {
-    const char *name;
-    size_t at; /* in asdic_run_times */
-} asdic_run_time_key;
-
 /* Components whose laws may state how far they err. */
 typedef struct asdic_run_uncertain_key {
     const char *name;
@@ -109,8 +107,11 @@ typedef struct asdic_run_uncertain_key {
 #define ASDIC_RUN_MULTIPATH_COUNT (ASDIC_MULTIPATH_BOUNDARIES + 1)
 extern const char *const asdic_run_sampler_names[ASDIC_RUN_SAMPLER_COUNT];
 extern const char *const asdic_run_multipath_names[ASDIC_RUN_MULTIPATH_COUNT];
-extern const asdic_run_time_key asdic_run_time_keys[ASDIC_RUN_TIME_COUNT];
+extern const char *const asdic_run_time_names[ASDIC_RUN_TIME_COUNT];
 extern const asdic_run_uncertain_key asdic_run_uncertain_keys[ASDIC_RUN_UNCERTAIN_COUNT];
+
+/* The time that has the name INDEX. */
+double *asdic_run_time(asdic_run_times *times, size_t index);
 
 /* Whether TEXT, a run.json, states the sum of what stands before it. */
 bool asdic_run_facts_signed(char *text, size_t length);

@@ -222,10 +222,9 @@ static void read_all(reader *r, asdic_arena *arena, asdic_run_facts *facts) {
     facts->bin_length_m = read_number(r, r->root, "bin_length_m");
     read_elements(r, &facts->elements);
     for (size_t i = 0; i < ASDIC_RUN_TIME_COUNT; i++) {
-        double *value = (double *)((char *)&facts->times + asdic_run_time_keys[i].at);
-        *value = asdic_yaml_child(time_s, asdic_run_time_keys[i].name)
-                     ? read_number(r, time_s, asdic_run_time_keys[i].name)
-                     : NAN;
+        const char *name = asdic_run_time_names[i];
+        *asdic_run_time(&facts->times, i) =
+            asdic_yaml_child(time_s, name) ? read_number(r, time_s, name) : NAN;
     }
     facts->rays_per_s = read_number(r, r->root, "rays_per_s");
     facts->stderr_median_db = read_number(r, stderr_db, "median");

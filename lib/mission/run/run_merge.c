@@ -124,41 +124,26 @@ static asdic_status check_records(const merger *m) {
 
 static asdic_status sum_up(merger *m) {
     asdic_run_facts *f = &m->facts;
-    size_t device_count = 0;
     *f = m->parts[0]->facts;
     f->state = ASDIC_RUN_STOPPED;
     f->pings_planned = 0;
-    for (size_t i = 0; i < m->count; i++) {
-        f->pings_planned += m->parts[i]->facts.pings_planned;
-        device_count += m->parts[i]->facts.device_count;
-    }
-    f->whole_first_ping = f->first_ping;
-    f->whole_pings = f->pings_planned;
-    /* Times are added: what the whole run costs on one machine. */
     f->times = (asdic_run_times){0};
-    f->devices = asdic_arena_alloc(&m->arena, (device_count + 1) * sizeof *f->devices);
     f->device_count = 0;
-    if (!f->devices) {
-        return asdic_fail_memory(m->ctx, "device names");
-    }
     for (size_t i = 0; i < m->count; i++) {
         const asdic_run_facts *part = &m->parts[i]->facts;
-        f->times.setup_s += part->times.setup_s;
-        f->times.simulate_s += part->times.simulate_s;
-        f->times.devices_s += part->times.devices_s;
-        f->times.write_s += part->times.write_s;
-        f->times.pictures_s += part->times.pictures_s;
-        f->times.whole_s += part->times.whole_s;
+        f->pings_planned += part->pings_planned;
+        for (size_t k = 0; k < ASDIC_RUN_TIME_COUNT;
+             k++) { /* what the whole run costs on one machine */
+            *asdic_run_time(&f->times, k) += *asdic_run_time(&m->parts[i]->facts.times, k);
+        }
         for (size_t k = 0; k < part->device_count; k++) {
-            bool is_listed = false;
-            for (size_t n = 0; n < f->device_count; n++) {
-                is_listed = is_listed || strcmp(f->devices[n], part->devices[k]) == 0;
-            }
-            if (!is_listed) {
-                f->devices[f->device_count++] = part->devices[k];
+            if (!asdic_run_facts_add_device(f, &m->arena, part->devices[k])) {
+                return asdic_fail_memory(m->ctx, "device names");
             }
         }
     }
+    f->whole_first_ping = f->first_ping;
+    f->whole_pings = f->pings_planned;
     return ASDIC_OK;
 }
 
