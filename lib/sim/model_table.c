@@ -6,12 +6,7 @@
 
 #include <string.h>
 
-/* A number that must be given, and one with a fallback: name, domain, stated validity. */
-#define NEEDED(key, lo, hi, valid_lo, valid_hi)                                                    \
-    {                                                                                              \
-        .name = key, .numeric = true, .required = true, .min = lo, .max = hi,                      \
-        .valid_min = valid_lo, .valid_max = valid_hi                                               \
-    }
+/* A number with a fallback: name, domain. */
 #define OPTIONAL(key, value, lo, hi)                                                               \
     {                                                                                              \
         .name = key, .numeric = true, .fallback = value, .min = lo, .max = hi, .valid_min = lo,    \
@@ -21,15 +16,13 @@
 #define CHOICE(key, list, count, must)                                                             \
     { .name = key, .words = list, .required = must, .max = count - 1, .valid_max = count - 1 }
 
-#define F_KHZ(valid_lo, valid_hi) NEEDED("f_khz", 0.1, ASDIC_MOST_KHZ, valid_lo, valid_hi)
-#define C_MPS NEEDED("c_mps", 1300.0, 1700.0, 1300.0, 1700.0)
 #define WIND_KN OPTIONAL("wind_kn", 10.0, 0.0, 60.0)
 #define SHIPPING OPTIONAL("shipping", 0.5, 0.0, 1.0)
 #define COATES "Coates, Underwater Acoustic Systems (1990), after Wenz (1962) and Mellen (1952)"
 #define KRAUS "lecture course of D. Kraus (Hochschule Bremen), printed in Morency et al."
 #define DETECTION_MODEL CHOICE("model", "exponential|k|swerling0|swerling1|swerling3", 5, true)
-#define THRESHOLD NEEDED("threshold", 0.0, 1e12, 0.0, 1e12)
-#define MU0 NEEDED("mu0", 1e-30, 1e12, 1e-30, 1e12)
+#define THRESHOLD LAW_SITUATION("threshold", 0.0, 1e12, 0.0, 1e12)
+#define MU0 LAW_SITUATION("mu0", 1e-30, 1e12, 1e-30, 1e12)
 #define LOOKS OPTIONAL("looks", 1.0, 1.0, 1000.0)
 #define SHAPE OPTIONAL("shape", NAN, 0.05, 1000.0)
 
@@ -39,18 +32,18 @@ static const asdic_model_info formulas[] = {
                            "speed of sound in sea water",
                            "Medwin, J. Acoust. Soc. Am. 58, 1318 (1975)",
                            3,
-                           {NEEDED("t_degc", -2.0, 40.0, 0.0, 35.0),
-                            NEEDED("s_ppt", 0.0, 45.0, 0.0, 45.0),
-                            NEEDED("z_m", 0.0, 11000.0, 0.0, 1000.0)}},
+                           {LAW_SITUATION("t_degc", -2.0, 40.0, 0.0, 35.0),
+                            LAW_SITUATION("s_ppt", 0.0, 45.0, 0.0, 45.0),
+                            LAW_SITUATION("z_m", 0.0, 11000.0, 0.0, 1000.0)}},
     [MODEL_ABSORPTION] = {"absorption",
                           "dB/km",
                           "absorption of sea water, one way",
                           "Francois & Garrison, J. Acoust. Soc. Am. 72, 1879 (1982)",
                           6,
-                          {F_KHZ(0.2, 1000.0), NEEDED("t_degc", -2.0, 40.0, -2.0, 22.0),
-                           NEEDED("s_ppt", 0.0, 45.0, 30.0, 35.0),
-                           NEEDED("z_m", 0.0, 11000.0, 0.0, 3500.0),
-                           NEEDED("ph", 7.0, 8.5, 7.7, 8.3),
+                          {LAW_F_KHZ(0.2, 1000.0), LAW_SITUATION("t_degc", -2.0, 40.0, -2.0, 22.0),
+                           LAW_SITUATION("s_ppt", 0.0, 45.0, 30.0, 35.0),
+                           LAW_SITUATION("z_m", 0.0, 11000.0, 0.0, 3500.0),
+                           LAW_SITUATION("ph", 7.0, 8.5, 7.7, 8.3),
                            CHOICE("variant", "corrected|printed", 2, false)}},
     [MODEL_TRANSMISSION_LOSS] = {"transmission-loss",
                                  "dB",
@@ -58,19 +51,19 @@ static const asdic_model_info formulas[] = {
                                  "Urick, Principles of Underwater Sound (1983); printed: Morency "
                                  "et al., eq. (2)",
                                  3,
-                                 {NEEDED("d_m", 1e-3, 1e6, 1e-3, 1e6),
-                                  NEEDED("alpha_db_per_km", 0.0, 1e4, 0.0, 1e4),
+                                 {LAW_SITUATION("d_m", 1e-3, 1e6, 1e-3, 1e6),
+                                  LAW_SITUATION("alpha_db_per_km", 0.0, 1e4, 0.0, 1e4),
                                   CHOICE("variant", "corrected|printed|two-way", 3, false)}},
     [MODEL_BEAM_PATTERN] = {"beam-pattern",
                             "dB",
                             "one-way pattern of a rectangular aperture re on-axis; -inf behind",
                             "Marage & Mori, Sonar and Underwater Acoustics (2010)",
                             5,
-                            {NEEDED("theta_deg", -180.0, 180.0, -180.0, 180.0),
-                             NEEDED("psi_deg", -90.0, 90.0, -90.0, 90.0),
-                             NEEDED("length_h_m", 1e-6, 100.0, 1e-6, 100.0),
-                             NEEDED("length_v_m", 1e-6, 100.0, 1e-6, 100.0),
-                             NEEDED("wavelength_m", 1e-4, 100.0, 1e-4, 100.0)}},
+                            {LAW_SITUATION("theta_deg", -180.0, 180.0, -180.0, 180.0),
+                             LAW_SITUATION("psi_deg", -90.0, 90.0, -90.0, 90.0),
+                             LAW_SITUATION("length_h_m", 1e-6, 100.0, 1e-6, 100.0),
+                             LAW_SITUATION("length_v_m", 1e-6, 100.0, 1e-6, 100.0),
+                             LAW_SITUATION("wavelength_m", 1e-4, 100.0, 1e-4, 100.0)}},
     [MODEL_BOTTOM_BACKSCATTER] = {.name = "bottom-backscatter"},   /* the rest in lib/laws */
     [MODEL_SURFACE_BACKSCATTER] = {.name = "surface-backscatter"}, /* the rest in lib/laws */
     [MODEL_VOLUME_BACKSCATTER] = {"volume-backscatter",
@@ -79,50 +72,51 @@ static const asdic_model_info formulas[] = {
                                   "-70, high -50",
                                   KRAUS,
                                   2,
-                                  {NEEDED("sp_db", -200.0, 0.0, -200.0, 0.0), F_KHZ(0.1, 1000.0)}},
+                                  {LAW_SITUATION("sp_db", -200.0, 0.0, -200.0, 0.0),
+                                   LAW_F_KHZ(0.1, 1000.0)}},
     [MODEL_NOISE_TURBULENCE] = {"noise-turbulence",
                                 "dB",
                                 "turbulence noise re 1 uPa^2/Hz",
                                 COATES,
                                 1,
-                                {F_KHZ(0.1, 1000.0)}},
+                                {LAW_F_KHZ(0.1, 1000.0)}},
     [MODEL_NOISE_TRAFFIC] = {"noise-traffic",
                              "dB",
                              "shipping noise re 1 uPa^2/Hz",
                              COATES,
                              2,
-                             {F_KHZ(0.1, 1000.0), SHIPPING}},
+                             {LAW_F_KHZ(0.1, 1000.0), SHIPPING}},
     [MODEL_NOISE_SEA_STATE] = {"noise-sea-state",
                                "dB",
                                "wind noise re 1 uPa^2/Hz",
                                COATES,
                                2,
-                               {F_KHZ(0.1, 1000.0), WIND_KN}},
+                               {LAW_F_KHZ(0.1, 1000.0), WIND_KN}},
     [MODEL_NOISE_THERMAL] = {"noise-thermal",
                              "dB",
                              "thermal noise re 1 uPa^2/Hz",
                              COATES,
                              1,
-                             {F_KHZ(0.1, ASDIC_MOST_KHZ)}},
+                             {LAW_F_KHZ(0.1, ASDIC_MOST_KHZ)}},
     [MODEL_NOISE] = {"noise",
                      "dB",
                      "ambient noise in a band re 1 uPa^2 (per hertz without bandwidth_hz)",
                      COATES,
                      4,
-                     {F_KHZ(0.1, ASDIC_MOST_KHZ), SHIPPING, WIND_KN,
+                     {LAW_F_KHZ(0.1, ASDIC_MOST_KHZ), SHIPPING, WIND_KN,
                       OPTIONAL("bandwidth_hz", 1.0, 1e-3, 1e6)}},
     [MODEL_RANGE_RESOLUTION] = {"range-resolution",
                                 "m",
                                 "length of a resolution cell, c / (2 B)",
                                 "Medwin & Clay, Fundamentals of Acoustical Oceanography (1998)",
                                 2,
-                                {C_MPS, NEEDED("bandwidth_hz", 1.0, 1e6, 1.0, 1e6)}},
+                                {LAW_C_MPS, LAW_SITUATION("bandwidth_hz", 1.0, 1e6, 1.0, 1e6)}},
     [MODEL_MAX_RANGE] = {"max-range",
                          "m",
                          "range of the last echo before the next ping, c / (2 f_p)",
                          "definition",
                          2,
-                         {C_MPS, NEEDED("ping_rate_hz", 1e-2, 1e3, 1e-2, 1e3)}},
+                         {LAW_C_MPS, LAW_SITUATION("ping_rate_hz", 1e-2, 1e3, 1e-2, 1e3)}},
     [MODEL_TARGET_STRENGTH] =
         {"target-strength",
          "dB",
@@ -142,9 +136,10 @@ static const asdic_model_info formulas[] = {
          "Kirchhoff lobe for the coherent share exp(-4 k^2 s^2 cos^2), Lambert "
          "for the rest",
          6,
-         {NEEDED("incidence_deg", 0.0, 90.0, 0.0, 90.0), F_KHZ(0.1, ASDIC_MOST_KHZ), C_MPS,
-          NEEDED("roughness_rms_m", 0.0, 1.0, 0.0, 1.0), NEEDED("slope_ms", 1e-9, 1.0, 1e-9, 0.1),
-          NEEDED("reflection", -1.0, 1.0, -1.0, 1.0)}},
+         {LAW_SITUATION("incidence_deg", 0.0, 90.0, 0.0, 90.0), LAW_F_KHZ(0.1, ASDIC_MOST_KHZ),
+          LAW_C_MPS, LAW_SITUATION("roughness_rms_m", 0.0, 1.0, 0.0, 1.0),
+          LAW_SITUATION("slope_ms", 1e-9, 1.0, 1e-9, 0.1),
+          LAW_SITUATION("reflection", -1.0, 1.0, -1.0, 1.0)}},
     [MODEL_PFA] = {"pfa",
                    "1",
                    "chance that the mean intensity of the looks exceeds the threshold without a "
@@ -158,7 +153,7 @@ static const asdic_model_info formulas[] = {
                   "the same with a target of snr * mu0: exponential and k mean Swerling I",
                   "Swerling, IRE Trans. IT-6, 269 (1960); steady: Marcum's Q",
                   6,
-                  {DETECTION_MODEL, THRESHOLD, MU0, NEEDED("snr", 0.0, 1e6, 0.0, 1e6), LOOKS,
+                  {DETECTION_MODEL, THRESHOLD, MU0, LAW_SITUATION("snr", 0.0, 1e6, 0.0, 1e6), LOOKS,
                    SHAPE}},
 };
 
