@@ -153,8 +153,8 @@ static asdic_status copy_records(asdic_recording *r, asdic_run_job *job) {
             (r->pressure && fread(r->pressure, r->pressure_bytes, 1, r->spool) != 1)) {
             return fail_io(r, "a ping");
         }
-        if (r->pressure) {
-            TRY(asdic_elements_write(job->elements, i, r->pressure));
+        if (r->pressure && job->elements) {
+            TRY(asdic_records_write(job->elements, i, r->pressure));
         }
         TRY(asdic_job_take(job, r->bytes));
     }

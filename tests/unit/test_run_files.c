@@ -204,25 +204,25 @@ static void elements_end_with_the_run(void **state) {
     begin(&f);
     for (size_t pings = 1; pings <= 4; pings++) {
         asdic_elements_shape shape = {.pings = 3, .elements = 2, .samples = 1}, kept;
-        asdic_elements *elements = NULL;
+        asdic_records *elements = NULL;
         float pressure[4] = {0.0f};
         assert_ok(f.ctx, asdic_elements_open(f.ctx, in_folder("."), ASDIC_STORE_CREATE, &shape,
                                              &elements));
         for (size_t i = 0; i < 3; i++) {
             pressure[3] = (float)i;
-            assert_ok(f.ctx, asdic_elements_write(elements, i, pressure));
+            assert_ok(f.ctx, asdic_records_write(elements, i, pressure));
         }
-        asdic_elements_close(&elements);
+        asdic_records_close(&elements);
         shape.pings = pings;
         assert_ok(f.ctx, asdic_elements_open(f.ctx, in_folder("."), ASDIC_STORE_RESUME, &shape,
                                              &elements));
         for (size_t i = 0; i < 4; i++) {
-            assert_int_equal(asdic_elements_has(elements, i), i < pings && i < 3);
+            assert_int_equal(i < asdic_records_count(elements), i < pings && i < 3);
         }
-        assert_ok(f.ctx, asdic_elements_read(elements, 0, pressure));
+        assert_ok(f.ctx, asdic_records_read(elements, 0, pressure));
         assert_close(pressure[3], 0.0, 0.0);
-        assert_ok(f.ctx, asdic_elements_commit(elements));
-        asdic_elements_close(&elements);
+        assert_ok(f.ctx, asdic_records_commit(elements));
+        asdic_records_close(&elements);
         const asdic_settings settings = {.elements = true, .sonar.array.elements = 2};
         assert_ok(f.ctx, asdic_elements_shape_read(f.ctx, in_folder("."), &settings, &kept));
         assert_int_equal(kept.pings, pings < 3 ? pings : 3);

@@ -62,7 +62,7 @@ static asdic_status take(void *user, size_t ping, const asdic_ping *result) {
     asdic_record_pack(&head, result, job->bytes);
     job->facts.times.write_s += asdic_clock_s() - begin_s;
     if (result->pressure) {
-        TRY(asdic_elements_write(job->elements, job->kept, result->pressure));
+        TRY(asdic_records_write(job->elements, job->kept, result->pressure));
     }
     TRY(asdic_job_take(job, job->bytes));
     job->rays += result->rays;
@@ -89,7 +89,7 @@ static asdic_status simulate(asdic_run_job *job, size_t end) {
                        .first = job->facts.first_ping + job->kept,
                        .end = job->facts.first_ping + end,
                        .bins = job->facts.bins,
-                       .elements = asdic_elements_shape_now(job->elements),
+                       .elements = job->elements_shape,
                        .take = take,
                        .name = name_device,
                        .team = end == job->facts.pings_planned ? job->options->team : NULL,

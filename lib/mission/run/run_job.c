@@ -213,9 +213,10 @@ static asdic_elements_shape elements_of(const asdic_run_job *job) {
 }
 
 static asdic_status open_elements(asdic_run_job *job, bool goes_on) {
-    asdic_elements_shape shape = elements_of(job);
     asdic_store_mode mode = goes_on ? ASDIC_STORE_RESUME : ASDIC_STORE_CREATE;
-    return asdic_elements_open(job->ctx, job->options->folder, mode, &shape, &job->elements);
+    job->elements_shape = elements_of(job);
+    return asdic_elements_open(job->ctx, job->options->folder, mode, &job->elements_shape,
+                               &job->elements);
 }
 
 static void warn_of_damage(asdic_context *ctx) {
@@ -231,7 +232,8 @@ static void find_whole(asdic_run_job *job) {
     for (size_t i = 0; i < stored && i < planned; i++) {
         bool is_read = !asdic_context_interrupted(job->ctx);
         asdic_status status = is_read ? asdic_store_read(job->store, i, job->bytes) : ASDIC_OK;
-        job->is_there[i] = status == ASDIC_OK && asdic_elements_has(job->elements, i);
+        bool has_elements = !job->elements || i < asdic_records_count(job->elements);
+        job->is_there[i] = status == ASDIC_OK && has_elements;
         job->to_make -= job->is_there[i];
         failed += status != ASDIC_OK;
         if (status != ASDIC_OK && failed == 1 && told == 0) {
@@ -468,7 +470,7 @@ static asdic_status write_facts(asdic_run_job *job) {
 static asdic_status commit(asdic_run_job *job, bool is_whole) {
     TRY(asdic_store_commit(job->store));
     TRY(asdic_files_commit(job->files, is_whole));
-    TRY(is_whole ? asdic_elements_commit(job->elements) : ASDIC_OK);
+    TRY(is_whole && job->elements ? asdic_records_commit(job->elements) : ASDIC_OK);
     conclude(job);
     return asdic_run_check_note(job->ctx, job->options->folder, &job->arena, &job->facts);
 }
@@ -493,7 +495,7 @@ asdic_status asdic_job_end(asdic_run_job *job, bool is_whole) {
 
 void asdic_job_finish(asdic_run_job *job) {
     asdic_files_destroy(&job->files);
-    asdic_elements_close(&job->elements);
+    asdic_records_close(&job->elements);
     asdic_store_close(&job->store);
     asdic_summary_destroy(&job->summary);
     asdic_arena_finish(&job->arena);

@@ -23,20 +23,21 @@ typedef struct asdic_run_job {
     const asdic_run_options *options;
     asdic_run_facts facts;
     char inputs_hash[65];
-    asdic_arena arena;        /* of what was read from an earlier run.json */
-    asdic_store *store;       /* NULL: levels go to the standard output alone */
-    asdic_elements *elements; /* NULL: not asked for */
-    asdic_files *files;       /* bins.csv and the like */
-    asdic_summary *summary;   /* NULL: neither pictures nor run.json are written */
-    void *bytes;              /* one record */
-    DIR *lock;                /* of the folder; NULL: none */
-    bool *is_there;           /* by ping of the run: the store had its record, whole */
-    size_t to_make;           /* pings that had none */
-    size_t damaged;           /* records that are not whole; told once */
-    size_t kept;              /* pings in the files; as many were taken, in their order */
-    bool is_complete;         /* the run was complete already */
-    uint64_t rays;            /* traced by this call */
-    double begin_s;           /* of this call, by the clock */
+    asdic_elements_shape elements_shape; /* 0: no pressures are written */
+    asdic_arena arena;                   /* of what was read from an earlier run.json */
+    asdic_store *store;                  /* NULL: levels go to the standard output alone */
+    asdic_records *elements;             /* run_elements.h; NULL: not asked for */
+    asdic_files *files;                  /* bins.csv and the like */
+    asdic_summary *summary;              /* NULL: neither pictures nor run.json are written */
+    void *bytes;                         /* one record */
+    DIR *lock;                           /* of the folder; NULL: none */
+    bool *is_there;                      /* by ping of the run: the store had its record, whole */
+    size_t to_make;                      /* pings that had none */
+    size_t damaged;                      /* records that are not whole; told once */
+    size_t kept;      /* pings in the files; as many were taken, in their order */
+    bool is_complete; /* the run was complete already */
+    uint64_t rays;    /* traced by this call */
+    double begin_s;   /* of this call, by the clock */
 } asdic_run_job;
 
 /* Checks what is asked for and plans it: fills the facts that are known before the first ping. The

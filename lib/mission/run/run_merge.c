@@ -164,24 +164,24 @@ static asdic_status copy_records(merger *m) {
 }
 
 /* The pressures of all parts in one file. */
-static asdic_status copy_elements(merger *m, asdic_elements *to, asdic_elements_shape shape,
+static asdic_status copy_elements(merger *m, asdic_records *to, asdic_elements_shape shape,
                                   float *pressure) {
     for (size_t i = 0; i < m->count; i++) {
         const asdic_run *part = m->parts[i];
-        asdic_elements *from = NULL;
+        asdic_records *from = NULL;
         TRY(check_elements(m, part));
         shape.pings = part->facts.pings_planned;
         asdic_status status =
             asdic_elements_open(m->ctx, part->folder, ASDIC_STORE_READ, &shape, &from);
         for (size_t k = 0; !status && k < shape.pings; k++) {
             size_t at = part->facts.first_ping + k - m->facts.first_ping;
-            status = asdic_elements_read(from, k, pressure);
-            status = status ? status : asdic_elements_write(to, at, pressure);
+            status = asdic_records_read(from, k, pressure);
+            status = status ? status : asdic_records_write(to, at, pressure);
         }
-        asdic_elements_close(&from);
+        asdic_records_close(&from);
         TRY(status);
     }
-    return asdic_elements_commit(to);
+    return asdic_records_commit(to);
 }
 
 static asdic_status join_elements(merger *m) {
@@ -193,13 +193,13 @@ static asdic_status join_elements(merger *m) {
     if (shape.elements == 0) {
         return ASDIC_OK;
     }
-    asdic_elements *to = NULL;
+    asdic_records *to = NULL;
     float *pressure = malloc((size_t)asdic_elements_bytes(&shape));
     asdic_status status =
         pressure ? asdic_elements_open(m->ctx, m->folder, ASDIC_STORE_CREATE, &shape, &to)
                  : asdic_fail_memory(m->ctx, ASDIC_ELEMENTS_NAME);
     status = status ? status : copy_elements(m, to, shape, pressure);
-    asdic_elements_close(&to);
+    asdic_records_close(&to);
     free(pressure);
     return status;
 }
