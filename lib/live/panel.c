@@ -31,6 +31,28 @@ void panel_text(const panel *p, asdic_text where, uint32_t rgb, const char *text
     asdic_canvas_text(p->canvas, where, text);
 }
 
+void panel_ranges(const panel *p, asdic_box box, const asdic_plot_axis *range, bool has_lines) {
+    asdic_tick ticks[ASDIC_AXIS_MAX_TICKS];
+    double bottom = box.y + box.h, gap_px = has_lines ? 6.0 : 7.0;
+    size_t count = asdic_axis_ticks(range, (size_t)fmax(2.0, box.w / (80.0 * p->scale)), ticks);
+    cairo_set_line_width(p->canvas->cr, 1.0);
+    for (size_t i = 0; i < count; i++) {
+        char label[32];
+        double x = floor(box.x + box.w * asdic_axis_share(range, ticks[i].value)) + 0.5;
+        snprintf(label, sizeof label, i + 1 == count ? "%s m" : "%s", ticks[i].label);
+        asdic_canvas_color(p->canvas, has_lines ? PANEL_EDGE_RGB : PANEL_LINE_RGB);
+        asdic_canvas_line(p->canvas, x, has_lines ? box.y : bottom, x,
+                          has_lines ? bottom : bottom + 4.0 * p->scale);
+        panel_text(p,
+                   (asdic_text){.x = x,
+                                .y = bottom + gap_px * p->scale,
+                                .align_x = 0.5,
+                                .align_y = 1.0,
+                                .size_px = PANEL_SMALL_PX},
+                   PANEL_DIM_RGB, label);
+    }
+}
+
 void panel_plate(const panel *p, double x, double y, double w, double h) {
     cairo_t *cr = p->canvas->cr;
     cairo_set_source_rgba(cr, 0.03, 0.05, 0.07, 0.62);

@@ -29,24 +29,9 @@ static double y_of(const scope *s, double level_db) {
 static void grid(const scope *s) {
     const panel *p = s->p;
     asdic_tick ticks[ASDIC_AXIS_MAX_TICKS];
+    panel_ranges(p, s->box, &s->range, true);
     size_t count =
-        asdic_axis_ticks(&s->range, (size_t)fmax(2.0, s->box.w / (80.0 * p->scale)), ticks);
-    cairo_set_line_width(p->canvas->cr, 1.0);
-    for (size_t i = 0; i < count; i++) {
-        char label[32];
-        double x = floor(s->box.x + s->box.w * asdic_axis_share(&s->range, ticks[i].value)) + 0.5;
-        snprintf(label, sizeof label, i + 1 == count ? "%s m" : "%s", ticks[i].label);
-        asdic_canvas_color(p->canvas, PANEL_EDGE_RGB);
-        asdic_canvas_line(p->canvas, x, s->box.y, x, s->box.y + s->box.h);
-        panel_text(p,
-                   (asdic_text){.x = x,
-                                .y = s->box.y + s->box.h + 6.0 * p->scale,
-                                .align_x = 0.5,
-                                .align_y = 1.0,
-                                .size_px = PANEL_SMALL_PX},
-                   PANEL_DIM_RGB, label);
-    }
-    count = asdic_axis_ticks(&s->level, (size_t)fmax(2.0, s->box.h / (30.0 * p->scale)), ticks);
+        asdic_axis_ticks(&s->level, (size_t)fmax(2.0, s->box.h / (30.0 * p->scale)), ticks);
     for (size_t i = 0; i < count; i++) {
         double y = floor(y_of(s, ticks[i].value)) + 0.5;
         asdic_canvas_color(p->canvas, PANEL_EDGE_RGB);

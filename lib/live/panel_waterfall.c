@@ -45,23 +45,8 @@ static void axes(const panel *p, const asdic_view *view, asdic_box box, size_t r
     double rate_hz = asdic_mission_sonar(view->mission)->ping_rate_hz;
     asdic_plot_axis range = {.high = asdic_view_range_m(view)};
     asdic_plot_axis ago = {.high = (double)rows / rate_hz};
-    size_t count = asdic_axis_ticks(&range, (size_t)fmax(2.0, box.w / (80.0 * p->scale)), ticks);
-    cairo_set_line_width(p->canvas->cr, 1.0);
-    for (size_t i = 0; i < count; i++) {
-        char label[32];
-        double x = floor(box.x + box.w * asdic_axis_share(&range, ticks[i].value)) + 0.5;
-        snprintf(label, sizeof label, i + 1 == count ? "%s m" : "%s", ticks[i].label);
-        asdic_canvas_color(p->canvas, PANEL_LINE_RGB);
-        asdic_canvas_line(p->canvas, x, box.y + box.h, x, box.y + box.h + 4.0 * p->scale);
-        panel_text(p,
-                   (asdic_text){.x = x,
-                                .y = box.y + box.h + 7.0 * p->scale,
-                                .align_x = 0.5,
-                                .align_y = 1.0,
-                                .size_px = PANEL_SMALL_PX},
-                   PANEL_DIM_RGB, label);
-    }
-    count = asdic_axis_ticks(&ago, (size_t)fmax(2.0, box.h / (50.0 * p->scale)), ticks);
+    panel_ranges(p, box, &range, false);
+    size_t count = asdic_axis_ticks(&ago, (size_t)fmax(2.0, box.h / (50.0 * p->scale)), ticks);
     for (size_t i = 0; i < count; i++) {
         char label[32];
         double y = floor(box.y + box.h * asdic_axis_share(&ago, ticks[i].value)) + 0.5;
