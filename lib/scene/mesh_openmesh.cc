@@ -39,8 +39,13 @@ namespace {
 
 using namespace OpenMesh;
 
-/* Attributes that a sonar does not hear are accepted and forgotten. More than the scan found is
- * refused at once: a reader that lost its place may go on for as long as an int can count. */
+/* Attributes that a sonar does not hear are accepted and forgotten. */
+#define FORGET(setter, ...)                                                                        \
+    void setter(__VA_ARGS__) override {                                                            \
+    }
+
+/* More than the scan found is refused at once: a reader that lost its place may go on for as long as
+ * an int can count. */
 class PolygonImporter : public IO::BaseImporter {
   public:
     explicit PolygonImporter(const asdic_mesh_scan *scan)
@@ -92,70 +97,39 @@ class PolygonImporter : public IO::BaseImporter {
     FaceHandle add_face(HalfedgeHandle) override {
         return FaceHandle();
     }
-    void add_face_texcoords(FaceHandle, VertexHandle, const std::vector<Vec2f> &) override {
-    }
-    void add_face_texcoords(FaceHandle, VertexHandle, const std::vector<Vec3f> &) override {
-    }
-    void set_face_texindex(FaceHandle, int) override {
-    }
-    void set_halfedge(VertexHandle, HalfedgeHandle) override {
-    }
-    void set_normal(VertexHandle, const Vec3f &) override {
-    }
-    void set_normal(VertexHandle, const Vec3d &) override {
-    }
-    void set_color(VertexHandle, const Vec3uc &) override {
-    }
-    void set_color(VertexHandle, const Vec4uc &) override {
-    }
-    void set_color(VertexHandle, const Vec3f &) override {
-    }
-    void set_color(VertexHandle, const Vec4f &) override {
-    }
-    void set_texcoord(VertexHandle, const Vec2f &) override {
-    }
-    void set_status(VertexHandle, const Attributes::StatusInfo &) override {
-    }
-    void set_next(HalfedgeHandle, HalfedgeHandle) override {
-    }
-    void set_face(HalfedgeHandle, FaceHandle) override {
-    }
+    FORGET(add_face_texcoords, FaceHandle, VertexHandle, const std::vector<Vec2f> &)
+    FORGET(add_face_texcoords, FaceHandle, VertexHandle, const std::vector<Vec3f> &)
+    FORGET(set_face_texindex, FaceHandle, int)
+    FORGET(set_halfedge, VertexHandle, HalfedgeHandle)
+    FORGET(set_normal, VertexHandle, const Vec3f &)
+    FORGET(set_normal, VertexHandle, const Vec3d &)
+    FORGET(set_color, VertexHandle, const Vec3uc &)
+    FORGET(set_color, VertexHandle, const Vec4uc &)
+    FORGET(set_color, VertexHandle, const Vec3f &)
+    FORGET(set_color, VertexHandle, const Vec4f &)
+    FORGET(set_texcoord, VertexHandle, const Vec2f &)
+    FORGET(set_status, VertexHandle, const Attributes::StatusInfo &)
+    FORGET(set_next, HalfedgeHandle, HalfedgeHandle)
+    FORGET(set_face, HalfedgeHandle, FaceHandle)
     void request_face_texcoords2D() override {
     }
-    void set_texcoord(HalfedgeHandle, const Vec2f &) override {
-    }
-    void set_texcoord(VertexHandle, const Vec3f &) override {
-    }
-    void set_texcoord(HalfedgeHandle, const Vec3f &) override {
-    }
-    void set_status(HalfedgeHandle, const Attributes::StatusInfo &) override {
-    }
-    void set_color(EdgeHandle, const Vec3uc &) override {
-    }
-    void set_color(EdgeHandle, const Vec4uc &) override {
-    }
-    void set_color(EdgeHandle, const Vec3f &) override {
-    }
-    void set_color(EdgeHandle, const Vec4f &) override {
-    }
-    void set_status(EdgeHandle, const Attributes::StatusInfo &) override {
-    }
-    void set_normal(FaceHandle, const Vec3f &) override {
-    }
-    void set_normal(FaceHandle, const Vec3d &) override {
-    }
-    void set_color(FaceHandle, const Vec3uc &) override {
-    }
-    void set_color(FaceHandle, const Vec4uc &) override {
-    }
-    void set_color(FaceHandle, const Vec3f &) override {
-    }
-    void set_color(FaceHandle, const Vec4f &) override {
-    }
-    void set_status(FaceHandle, const Attributes::StatusInfo &) override {
-    }
-    void add_texture_information(int, std::string) override {
-    }
+    FORGET(set_texcoord, HalfedgeHandle, const Vec2f &)
+    FORGET(set_texcoord, VertexHandle, const Vec3f &)
+    FORGET(set_texcoord, HalfedgeHandle, const Vec3f &)
+    FORGET(set_status, HalfedgeHandle, const Attributes::StatusInfo &)
+    FORGET(set_color, EdgeHandle, const Vec3uc &)
+    FORGET(set_color, EdgeHandle, const Vec4uc &)
+    FORGET(set_color, EdgeHandle, const Vec3f &)
+    FORGET(set_color, EdgeHandle, const Vec4f &)
+    FORGET(set_status, EdgeHandle, const Attributes::StatusInfo &)
+    FORGET(set_normal, FaceHandle, const Vec3f &)
+    FORGET(set_normal, FaceHandle, const Vec3d &)
+    FORGET(set_color, FaceHandle, const Vec3uc &)
+    FORGET(set_color, FaceHandle, const Vec4uc &)
+    FORGET(set_color, FaceHandle, const Vec3f &)
+    FORGET(set_color, FaceHandle, const Vec4f &)
+    FORGET(set_status, FaceHandle, const Attributes::StatusInfo &)
+    FORGET(add_texture_information, int, std::string)
 
   private:
     size_t most_vertices, most_facets, most_corners;
