@@ -552,7 +552,7 @@ static uint64_t bytes_of(const asdic_simulator *sim, size_t count, size_t slots)
 }
 
 /* Processor time, s: of a scatterer to be placed, to be traced, and to be shaded for a pair of ways; of its sum with a sample of an
- * element; of a sample of an element in a beam; of a sample's noise. Measured with AVX2, both threads of a core busy. */
+ * element; of a sample of an element in a beam; of a sample's noise. Measured on an AMD EPYC with AVX-512, busy with other work. */
 #define PLACE_S 150e-9
 #define TRACE_S 50e-9
 #define SHADE_S 100e-9

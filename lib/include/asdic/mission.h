@@ -317,7 +317,7 @@ typedef struct asdic_coherent_forecast {
     size_t scatterers;  /* of bottom, surface, water and objects */
     uint64_t bytes;     /* of memory for them */
     bool fits;          /* there is so much; else there are more scatterers than these */
-    double processor_s; /* on a processor of 3 GHz with AVX2, over all of its cores */
+    double processor_s; /* over all cores, of an AMD EPYC with AVX-512 */
 } asdic_coherent_forecast;
 
 /* Finds the scatterers, without a device. ASDIC_ERROR_ARGUMENT if pings are of intensities. */
