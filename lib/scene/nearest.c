@@ -14,6 +14,9 @@ typedef struct search {
     const asdic_scene *scene;
     asdic_vec3 a, b;     /* scene frame */
     double lo[3], hi[3]; /* box round the segment */
+    bool looks;          /* from the segment's beginning along it, for ONLY one part: */
+    size_t only;
+    double cosine; /* of the angle within which it looks */
     asdic_nearest best;
 } search;
 
@@ -80,14 +83,68 @@ static double triangle2(asdic_vec3 a, asdic_vec3 b, const asdic_vec3 v[3]) {
     return best;
 }
 
+/* Whether P, as seen from where S looks from along the unit vector U, is within its sector. */
+static bool is_ahead(const search *s, asdic_vec3 u, asdic_vec3 p) {
+    double far = asdic_vec3_length(p);
+    return asdic_vec3_dot(p, u) >= s->cosine * far - 1e-9 * far;
+}
+
+/* Squared, to the nearest that the segment P + t E has ahead, which is its nearest of all or where it enters the sector:
+ * where (p . u)^2 = cos^2 p . p. */
+static double edge_ahead2(const search *s, asdic_vec3 u, asdic_vec3 p, asdic_vec3 e) {
+    double pu = asdic_vec3_dot(p, u), eu = asdic_vec3_dot(e, u), c2 = s->cosine * s->cosine;
+    double ee = asdic_vec3_dot(e, e), pe = asdic_vec3_dot(p, e), pp = asdic_vec3_dot(p, p);
+    double a = eu * eu - c2 * ee, b = pu * eu - c2 * pe, c = pu * pu - c2 * pp;
+    double root = sqrt(fmax(b * b - a * c, 0.0)), best = INFINITY;
+    double q = -(b + copysign(root, b)); /* no digits are lost by either root */
+    const double t[5] = {0.0, 1.0, -pe / ee, q / a, c / q};
+    for (int i = 0; i < 5; i++) {
+        asdic_vec3 x = at(p, e, t[i]);
+        if (t[i] >= 0.0 && t[i] <= 1.0 && is_ahead(s, u, x)) {
+            best = fmin(best, asdic_vec3_dot(x, x));
+        }
+    }
+    return best;
+}
+
+/* Squared, to the nearest that the triangle V has ahead: the foot of the perpendicular, or where the side of the
+ * sector that leans most to it meets the triangle, or at an edge. */
+static double ahead2(const search *s, const asdic_vec3 v[3]) {
+    asdic_vec3 along = asdic_vec3_sub(s->b, s->a);
+    asdic_vec3 u = asdic_vec3_scale(along, 1.0 / asdic_vec3_length(along));
+    asdic_vec3 n = asdic_vec3_cross(asdic_vec3_sub(v[1], v[0]), asdic_vec3_sub(v[2], v[0]));
+    double size2 = asdic_vec3_dot(n, n), best = INFINITY;
+    double h = asdic_vec3_dot(asdic_vec3_sub(v[0], s->a), n); /* times the length of N */
+    asdic_vec3 aside = asdic_vec3_sub(n, asdic_vec3_scale(u, asdic_vec3_dot(n, u)));
+    double lean = asdic_vec3_length(aside), sine = sqrt(fmax(1.0 - s->cosine * s->cosine, 0.0));
+    asdic_vec3 foot = asdic_vec3_scale(n, h / size2);
+    asdic_vec3 side = asdic_vec3_add(asdic_vec3_scale(u, s->cosine),
+                                     asdic_vec3_scale(aside, copysign(sine, h) / lean));
+    asdic_vec3 x = size2 > 0.0 && is_ahead(s, u, foot)
+                       ? foot
+                       : asdic_vec3_scale(side, h / asdic_vec3_dot(side, n));
+    if (size2 > 0.0 && isfinite(asdic_vec3_length(x)) && is_ahead(s, u, x) &&
+        is_over(v, n, asdic_vec3_add(s->a, x))) {
+        best = asdic_vec3_dot(x, x);
+    }
+    for (int i = 0; i < 3; i++) {
+        asdic_vec3 edge = asdic_vec3_sub(v[(i + 1) % 3], v[i]);
+        best = fmin(best, edge_ahead2(s, u, asdic_vec3_sub(v[i], s->a), edge));
+    }
+    return best;
+}
+
 static asdic_vec3 corner(const float v[3]) {
     return (asdic_vec3){v[0], v[1], v[2]};
 }
 
 static void try_triangle(search *s, uint32_t id) {
     const dev_triangle *t = asdic_placement_triangle(s->placement, id);
+    if (s->looks && t->part != s->only) {
+        return;
+    }
     const asdic_vec3 v[3] = {corner(t->v0), corner(t->v1), corner(t->v2)};
-    double distance_m = sqrt(triangle2(s->a, s->b, v));
+    double distance_m = sqrt(s->looks ? ahead2(s, v) : triangle2(s->a, s->b, v));
     if (distance_m < s->best.distance_m) {
         s->best = (asdic_nearest){distance_m, t->part};
     }
@@ -142,6 +199,16 @@ static void search_along(search *s, const asdic_way *way, uint32_t word) {
     search_word(s, word);
 }
 
+/* Searches all triangles. */
+static void search_all(search *s, const asdic_way *way, const asdic_way *moving) {
+    const asdic_scene *scene = s->scene;
+    size_t movables = scene->movable_count;
+    search_along(s, way, moving && movables > 0 ? scene->still_root : scene->bvh.root);
+    for (size_t i = 0; moving && i < movables; i++) {
+        search_along(s, &moving[i], scene->movables[i].root);
+    }
+}
+
 asdic_nearest asdic_placement_nearest(const asdic_placement *placement, const asdic_way *way,
                                       const asdic_way *moving, double within_m) {
     const asdic_scene *scene = placement->scene;
@@ -151,10 +218,7 @@ asdic_nearest asdic_placement_nearest(const asdic_placement *placement, const as
         double height_m = scene->bottom_plane_depth_m - fmax(way->from_m.z, way->to_m.z);
         s.best.distance_m = fmin(s.best.distance_m, fmax(height_m, 0.0));
     }
-    search_along(&s, way, moving && movables > 0 ? scene->still_root : scene->bvh.root);
-    for (size_t i = 0; moving && i < movables; i++) {
-        search_along(&s, &moving[i], scene->movables[i].root);
-    }
+    search_all(&s, way, moving);
     for (size_t i = 0; i < scene->point_count; i++) {
         const asdic_way *seen = moving ? &moving[movables + i] : way;
         asdic_vec3 point_m = placement->points[i].position_m;
@@ -164,6 +228,28 @@ asdic_nearest asdic_placement_nearest(const asdic_placement *placement, const as
         }
     }
     return s.best;
+}
+
+double asdic_placement_ahead(const asdic_placement *placement, size_t part, const asdic_way *look,
+                             const asdic_way *moving, double sector_rad) {
+    const asdic_scene *scene = placement->scene;
+    size_t movables = scene->movable_count;
+    search s = {.placement = placement,
+                .scene = scene,
+                .looks = true,
+                .only = part,
+                .cosine = cos(sector_rad),
+                .best = {INFINITY, ASDIC_NOTHING}};
+    if (part >= scene->part_count) {
+        size_t i = part - scene->part_count;
+        const asdic_way *way = moving ? &moving[movables + i] : look;
+        asdic_vec3 along = asdic_vec3_sub(way->to_m, way->from_m);
+        asdic_vec3 p = asdic_vec3_sub(placement->points[i].position_m, way->from_m);
+        asdic_vec3 u = asdic_vec3_scale(along, 1.0 / asdic_vec3_length(along));
+        return is_ahead(&s, u, p) ? asdic_vec3_length(p) : INFINITY;
+    }
+    search_all(&s, look, moving);
+    return s.best.distance_m;
 }
 
 /* Whether SIDE is that of a place left of the line from A to B. A place on it counts as moved north by next to nothing,

@@ -79,16 +79,29 @@ static asdic_vec3 seen_from(const mover *m, asdic_vec3 at_m, double time_s) {
     return asdic_move_point(&back, at_m);
 }
 
-asdic_nearest asdic_hazards_nearest(asdic_hazards *hazards, asdic_vec3 from_m, asdic_vec3 to_m,
-                                    double from_s, double to_s, double within_m) {
-    const asdic_way way = {from_m, to_m};
+/* WAY, flown from FROM_S to TO_S, as each thing sees it; NULL where none moves. */
+static const asdic_way *ways_of(asdic_hazards *hazards, const asdic_way *way, double from_s,
+                                double to_s) {
     for (size_t i = 0; hazards->move && i < hazards->count; i++) {
         const mover *m = &hazards->movers[i];
         hazards->ways[i] =
-            m->track ? (asdic_way){seen_from(m, from_m, from_s), seen_from(m, to_m, to_s)} : way;
+            m->track ? (asdic_way){seen_from(m, way->from_m, from_s), seen_from(m, way->to_m, to_s)}
+                     : *way;
     }
-    return asdic_placement_nearest(hazards->placement, &way, hazards->move ? hazards->ways : NULL,
+    return hazards->move ? hazards->ways : NULL;
+}
+
+asdic_nearest asdic_hazards_nearest(asdic_hazards *hazards, asdic_vec3 from_m, asdic_vec3 to_m,
+                                    double from_s, double to_s, double within_m) {
+    const asdic_way way = {from_m, to_m};
+    return asdic_placement_nearest(hazards->placement, &way, ways_of(hazards, &way, from_s, to_s),
                                    within_m);
+}
+
+double asdic_hazards_ahead(asdic_hazards *hazards, size_t part, const asdic_way *look,
+                           double time_s, double sector_rad) {
+    return asdic_placement_ahead(hazards->placement, part, look,
+                                 ways_of(hazards, look, time_s, time_s), sector_rad);
 }
 
 bool asdic_hazards_hold(const asdic_hazards *hazards, asdic_vec3 position_m, size_t *part) {

@@ -37,6 +37,7 @@
 typedef struct moment {
     asdic_pilot pilot;
     double time_s;
+    bool gave_way; /* on the way to it */
 } moment;
 
 typedef struct run {
@@ -56,6 +57,7 @@ typedef struct run {
     uint64_t seen; /* a bit a ping, the last one lowest */
     size_t began;  /* ping at which the manoeuvre under way began */
     double side;   /* to which it turned then; 1: starboard */
+    size_t met;    /* the part that was hit, as of asdic_nearest */
 } run;
 
 /* --- the way ----------------------------------------------------------------------------------- */
@@ -209,7 +211,7 @@ static asdic_status keep_moment(run *r) {
     if (!asdic_grow(&r->moments, r->moment_count, &r->moment_capacity, sizeof *r->moments)) {
         return asdic_fail_memory(r->ctx, "a run of a trial");
     }
-    r->moments[r->moment_count++] = (moment){r->pilot, r->time_s};
+    r->moments[r->moment_count++] = (moment){r->pilot, r->time_s, r->gives_way};
     if (r->job->track) {
         asdic_pose pose = pose_of(&r->pilot.state);
         track_point point = {.time_s = r->time_s,
@@ -276,30 +278,58 @@ static void name_part(const run *r, size_t part, char out[ASDIC_NAME_SIZE]) {
     snprintf(out, ASDIC_NAME_SIZE, "%s", *name ? name : "bottom");
 }
 
-/* Why it was hit, seen from where the way to it was as long as the rule's reach. */
+/* From the vehicle at MOMENT to the nearest surface of what it hit that was in the rule's sector then;
+ * INFINITY: none. The bottom is always below: of it the place where it was hit counts. */
+static double range_m(const run *r, const moment *then) {
+    const asdic_scene *scene = r->mission->scene;
+    const flight_state *s = &then->pilot.state;
+    asdic_vec3 at_m = position(&then->pilot);
+    asdic_vec3 bow = {cos(s->yaw_rad) * cos(s->pitch_rad), sin(s->yaw_rad) * cos(s->pitch_rad),
+                      -sin(s->pitch_rad)};
+    bool is_bottom = r->met == ASDIC_NOTHING ||
+                     (r->met < scene->part_count && scene->parts[r->met].kind != DEV_KIND_OBJECT);
+    if (is_bottom) {
+        return asdic_vec3_length(asdic_vec3_sub(position(&r->pilot), at_m));
+    }
+    const asdic_way look = {at_m, asdic_vec3_add(at_m, bow)};
+    return asdic_hazards_ahead(r->hazards, r->met, &look, then->time_s, r->plan->sector_rad);
+}
+
+/* When what was hit came into the rule's reach and sector, since the last manoeuvre; or, if it was not there yet, when
+ * the manoeuvre under way began. */
+static moment first_in_reach(const run *r) {
+    double reach_m = r->plan->reach_m, began_s = r->moments[r->began].time_s;
+    size_t i = r->began;
+    while (i > 0 && !r->moments[i].gave_way && range_m(r, &r->moments[i]) <= reach_m) {
+        i--;
+    }
+    moment at = r->moments[i];
+    double step_s = at.pilot.model.step_s;
+    while (at.time_s + step_s < began_s + INSTANT_S && range_m(r, &at) > reach_m) {
+        asdic_pilot_advance(&at.pilot, NULL, step_s);
+        at.time_s += step_s;
+    }
+    return at;
+}
+
+/* Why it was hit, seen from where the rule could have acted first. */
 static void find_cause(run *r) {
     asdic_trial_run *out = r->out;
-    asdic_vec3 end_m = position(&r->pilot);
     if (!r->gives_way) {
         out->cause = ASDIC_TRIAL_NOT_SEEN;
         return;
     }
-    const asdic_pilot *began = &r->moments[r->began].pilot;
-    out->seen_m = asdic_vec3_length(asdic_vec3_sub(position(began), end_m));
-    size_t i = r->began;
-    while (i > 0 && asdic_vec3_length(asdic_vec3_sub(position(&r->moments[i].pilot), end_m)) <
-                        r->plan->reach_m) {
-        i--;
-    }
-    const asdic_pilot *from = &r->moments[i].pilot;
+    double seen_m = range_m(r, &r->moments[r->began]);
+    out->seen_m = isinf(seen_m) ? NAN : seen_m;
+    const moment from = first_in_reach(r);
     asdic_order order = r->order;
     if (!r->job->rule) { /* the same manoeuvre, from there */
-        order = manoeuvre(r->plan, &from->state, r->side);
+        order = manoeuvre(r->plan, &from.pilot.state, r->side);
     }
-    double way_m = 1.5 * asdic_vec3_length(asdic_vec3_sub(position(from), end_m));
-    out->cause = would_hit(r, from, r->moments[i].time_s, &order, way_m)
-                     ? ASDIC_TRIAL_COULD_NOT_TURN
-                     : ASDIC_TRIAL_SEEN_LATE;
+    double way_m =
+        1.5 * asdic_vec3_length(asdic_vec3_sub(position(&from.pilot), position(&r->pilot)));
+    out->cause = would_hit(r, &from.pilot, from.time_s, &order, way_m) ? ASDIC_TRIAL_COULD_NOT_TURN
+                                                                       : ASDIC_TRIAL_SEEN_LATE;
 }
 
 /* To the next ping, or to where or when the run ends. */
@@ -311,6 +341,7 @@ static void go_on(run *r, double end_s) {
     out->clearance_m = fmax(near.distance_m - hull_m, 0.0);
     if (near.distance_m <= hull_m) {
         out->outcome = ASDIC_TRIAL_HIT;
+        r->met = near.part;
         name_part(r, near.part, out->what);
     }
 }
