@@ -57,6 +57,19 @@ def test_the_rise():
         tap.contains(done.err, "--force")
 
 
+def test_a_target_that_no_beam_hears():
+    """Behind the vehicle: its curve is that of chance, and a sentence says why."""
+    need_device()
+    with Folder() as folder:
+        asked = ("roc", SCENE2, "--trials", "1000", "-o", "out", "-f", "--json", "--range", "20", "--bearing")
+        done = asdic(*asked, "170", cwd=folder.path).check(0)
+        tap.contains(done.err, "no beam hears a target at 20 m and a bearing of 170 degrees")
+        curve, = json.loads(done.out)
+        tap.equal((round(curve["closed_area"], 6), round(curve["closed_pd"], 9)), (0.5, 0.001), "as often as nothing")
+        done = asdic(*asked, "10", cwd=folder.path).check(0)
+        tap.equal("no beam" in done.err, False, done.err)
+
+
 ARRAY = """version: 1
 bottom: {depth_m: 12, type: sand}
 objects:

@@ -46,8 +46,8 @@ typedef struct asdic_trial_run {
     double clearance_m; /* least distance from the hull to anything but the surface */
     unsigned manoeuvres;
     unsigned needless; /* of these: holding on for the rule's reach would have hit nothing */
-    /* HIT: from where the manoeuvre under way began to the nearest of what was hit that was in the rule's
-     * sector then; of the bottom, to where it was hit. NAN: there is none. */
+    /* HIT: from where the manoeuvre under way began to the nearest of what was hit that was in the
+     * rule's sector then; of the bottom, to where it was hit. NAN: there is none. */
     double seen_m;
 } asdic_trial_run;
 
