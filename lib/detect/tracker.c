@@ -257,16 +257,20 @@ const asdic_track_state *asdic_tracker_get(const asdic_tracker *tracker, size_t 
 /* Gates that are remembered from round to round: more than a track of five pings can have. */
 #define MOST_GATES 64
 
+/* What the gate of a track of these variances holds of the lines, and how far aside of it that is on the mean. */
+typedef struct gate {
+    double along_m2, across_m2, turned_m, covered_m, aside_m;
+} gate;
+
 /* The clutter, and the fate of a track that begins with it. */
 typedef struct clutter {
     const asdic_tracker_options *options;
     double step_s, plots_per_m, tracks_per_m; /* of each line */
     const double *east_m;                     /* of the lines, ascending, at PLANE_M */
     double plane_m;                           /* from where they meet */
+    double turn_m;                            /* by which lines are farther round at each ping */
     size_t lines, gates;
-    struct {
-        double along_m2, across_m2, covered_m;
-    } gate[MOST_GATES];
+    gate gate[MOST_GATES];
     asdic_plot_point plot;
     double confirmed, hits, pings; /* means: probability, further plots it takes, pings it lives */
 } clutter;
@@ -287,28 +291,36 @@ static double chord_m(const clutter *c, const asdic_kalman *f, double apart_m) {
     return 2.0 * sqrt(fmax(ur * ur - uu * (rr - c->options->gate), 0.0)) / uu;
 }
 
-/* What a track's gate holds of all lines, on the mean of tracks on each of them. Rounds ask for the same gates again. */
-static double covered_m(clutter *c, const asdic_kalman *f) {
-    double own_m2 = f->covariance[0][0], across_m2 = f->covariance[2][2], others_m = 0.0;
+/* What a track's gate holds of all lines, which are TURNED_M farther round than the track; on the mean of tracks on
+ * each. Rounds ask for the same gates again. */
+static gate covered(clutter *c, const asdic_kalman *f, double turned_m) {
+    gate g = {f->covariance[0][0], f->covariance[2][2], turned_m, 0.0, 0.0};
     for (size_t i = 0; i < c->gates; i++) {
-        if (c->gate[i].along_m2 == own_m2 && c->gate[i].across_m2 == across_m2) {
-            return c->gate[i].covered_m;
+        const gate *known = &c->gate[i];
+        if (known->along_m2 == g.along_m2 && known->across_m2 == g.across_m2 &&
+            known->turned_m == turned_m) {
+            return *known;
         }
     }
-    double most_m2 = own_m2 + across_m2 + c->plot.variance_nn_m2 + c->plot.variance_ee_m2;
+    double most_m2 = g.along_m2 + g.across_m2 + c->plot.variance_nn_m2 + c->plot.variance_ee_m2;
     double reach_m = 0.5 * M_PI * sqrt(c->options->gate * most_m2); /* along an arc */
-    for (size_t i = 0; i < c->lines; i++) {
-        for (size_t k = i + 1; k < c->lines && c->east_m[k] - c->east_m[i] < reach_m; k++) {
-            others_m += 2.0 * chord_m(c, f, c->east_m[k] - c->east_m[i]); /* each from the other */
+    double aside_m2 = 0.0;
+    for (size_t i = 0, first = 0; i < c->lines; i++) {
+        double own_m = c->east_m[i] - turned_m;
+        while (first < c->lines && c->east_m[first] <= own_m - reach_m) {
+            first++;
+        }
+        for (size_t k = first; k < c->lines && c->east_m[k] < own_m + reach_m; k++) {
+            double chord = chord_m(c, f, c->east_m[k] - own_m);
+            g.covered_m += chord / (double)c->lines;
+            aside_m2 += chord / (double)c->lines * (c->east_m[k] - own_m);
         }
     }
-    double covered = chord_m(c, f, 0.0) + others_m / (double)c->lines;
+    g.aside_m = g.covered_m > 0.0 ? aside_m2 / g.covered_m : 0.0;
     if (c->gates < MOST_GATES) {
-        c->gate[c->gates].along_m2 = own_m2;
-        c->gate[c->gates].across_m2 = across_m2;
-        c->gate[c->gates++].covered_m = covered;
+        c->gate[c->gates++] = g;
     }
-    return covered;
+    return g;
 }
 
 /* A track that has come so far with probability WEIGHT: the next ping, with and without a plot
@@ -318,9 +330,10 @@ static void follow(clutter *c, track tr, double weight) {
     asdic_kalman_predict(&tr.filter, c->step_s, o->acceleration);
     tr.history <<= 1;
     tr.missed++;
-    double covered = covered_m(c, &tr.filter);
-    double rivals = fmax(c->tracks_per_m * covered, 1e-9);
-    double p = -expm1(c->plots_per_m * covered * expm1(-rivals) / rivals);
+    double turned_m = tr.state.age * c->turn_m - (tr.filter.mean[1][0] - c->plot.east_m);
+    const gate g = covered(c, &tr.filter, turned_m);
+    double rivals = fmax(c->tracks_per_m * g.covered_m, 1e-9);
+    double p = -expm1(c->plots_per_m * g.covered_m * expm1(-rivals) / rivals);
     c->pings += weight;
     for (int is_hit = 0; is_hit < 2; is_hit++) {
         track next = tr;
@@ -328,7 +341,7 @@ static void follow(clutter *c, track tr, double weight) {
         if (is_hit) {
             asdic_plot_point plot = c->plot;
             plot.north_m = tr.filter.mean[0][0];
-            plot.east_m = tr.filter.mean[1][0];
+            plot.east_m = tr.filter.mean[1][0] + g.aside_m;
             hit(&next, &plot);
             c->hits += then;
         }
@@ -346,13 +359,15 @@ static void follow(clutter *c, track tr, double weight) {
 
 double asdic_tracker_false_share(const asdic_tracker_options *options, double step_s,
                                  const asdic_plot_point *plot, double plots_per_m,
-                                 const double *east_m, size_t lines, double plane_m) {
+                                 const double *east_m, size_t lines, double plane_m,
+                                 double turn_rad) {
     clutter c = {.options = options,
                  .step_s = step_s,
                  .plots_per_m = plots_per_m,
                  .east_m = east_m,
                  .lines = lines,
                  .plane_m = plane_m,
+                 .turn_m = isinf(plane_m) ? 0.0 : fabs(turn_rad) * plane_m,
                  .plot = *plot};
     for (int i = 0; i < ROUNDS; i++) {
         track tr = {.state = {.hits = 1},

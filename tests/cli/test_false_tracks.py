@@ -79,6 +79,23 @@ def test_false_tracks_do_not_depend_on_the_compass():
         tap.equal(all(abs(s / said[0] - 1) < 1e-6 for s in said), True, f"{said}")
 
 
+def test_beams_that_turn_away_confirm_fewer():
+    """Where the vehicle turns by a beam in two pings, a third plot is seldom where the first was; a run of which half goes
+    straight has half of what one at rest has. As many were said of either."""
+    need_device()
+    with Folder() as folder:
+        said = []
+        for turn_deg in 0, 2, 0.5:  # the fan is 1.75 degrees wide
+            for half in (False, True) if turn_deg else (False,):
+                yaws = [turn_deg * max(i - (15 if half else 0), 0) for i in range(31)]
+                folder.write("turn.csv", "time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n" + "".join(
+                    f"{i / 40},0,0,7,0,0,{yaw}\n" for i, yaw in enumerate(yaws)))
+                said.append(said_of(folder, ("3.0e-3", "1.0e-6"), ("pose: {position_m: [0, 0, 7]}", "track: turn.csv")))
+        rest, quick, half_quick, slow, _ = said
+        tap.equal(quick < 0.1 * rest and quick < slow < rest, True, f"{said}")
+        tap.equal(abs(half_quick - 0.5 * (rest + quick)) < 0.05 * rest, True, f"{said}")
+
+
 def test_false_tracks_do_not_depend_on_the_order_of_beams():
     """Nor on one that looks straight down, whose plots fall on one spot."""
     need_device()
@@ -120,7 +137,8 @@ output: {images: [], csv: none}
 
 
 def test_false_tracks_of_a_scanned_sonar_are_not_said():
-    """Beams of one degree: five pings at a quarter of it stay within a beam, at half of it they do not."""
+    """Beams of one degree: five pings at a fifth of it stay within a beam, and confirm a little less than at rest; at half
+    of it they do not."""
     need_device()
     with Folder() as folder:
         fan = "{fan: {count: 8, sector_deg: 1.75, length_h_m: 0.75, length_v_m: 0.05}}"
@@ -128,7 +146,7 @@ def test_false_tracks_of_a_scanned_sonar_are_not_said():
         for step_deg in 0, 0.2, 0.5:
             scan = f"scan: {{sector_deg: 12, step_deg: {step_deg}}}\n  " if step_deg else ""
             said.append(said_of(folder, (fan, "[{length_h_m: 0.75}]"), ("speckle:", f"{scan}speckle:")))
-        tap.equal((said[0] > 0, abs(said[1] / said[0] - 1) < 1e-6, said[2]), (True, True, None), f"{said}")
+        tap.equal((said[0] > 0, 0.8 < said[1] / said[0] < 1, said[2]), (True, True, None), f"{said}")
         done = asdic("detect", "out", "-f", cwd=folder.path).check(0)
         tap.lacks(done.out, "to be expected")
         tap.contains(done.err, "tracks are not for this sonar")

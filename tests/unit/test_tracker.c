@@ -297,7 +297,7 @@ static void clutter_confirms_tracks_as_said(void **state) {
         }
         double said = asdic_tracker_false_share(&options, cases[n].step_s, &plots[0],
                                                 cases[n].per_ping / (SIDE_M * LINES), east_m, LINES,
-                                                INFINITY);
+                                                INFINITY, 0.0);
         print_message("%g plots a ping, %g s apart: %.0f confirmed of %.0f, %.1f were said\n",
                       cases[n].per_ping, cases[n].step_s, confirmed, total, said * total);
         double spread = 2.6 * sqrt(said * total);
@@ -308,11 +308,11 @@ static void clutter_confirms_tracks_as_said(void **state) {
     }
     asdic_tracker_options at_once = asdic_tracker_options_default();
     asdic_plot_point plot = {.variance_nn_m2 = 1.0, .variance_ee_m2 = 1.0};
-    assert_close(asdic_tracker_false_share(&at_once, 1.0, &plot, 0.0, east_m, 1, INFINITY), 0.0,
-                 0.0);
+    assert_close(asdic_tracker_false_share(&at_once, 1.0, &plot, 0.0, east_m, 1, INFINITY, 0.0),
+                 0.0, 0.0);
     at_once.confirm = 1;
-    assert_close(asdic_tracker_false_share(&at_once, 1.0, &plot, 1.0, east_m, 1, INFINITY), 1.0,
-                 0.0);
+    assert_close(asdic_tracker_false_share(&at_once, 1.0, &plot, 1.0, east_m, 1, INFINITY, 0.0),
+                 1.0, 0.0);
 }
 
 /* A plot across the line at BEARING, RANGE_M from where lines meet. */
@@ -327,14 +327,16 @@ static asdic_plot_point plot_on(double bearing, double range_m, double along2, d
 }
 
 /* Plots of beams as wide as they are apart lie aslant to each other: each hears farther along the next one's line than
- * along its own. Side by side, half as many tracks or fewer were said. */
+ * along its own. Side by side, half as many tracks or fewer were said. Those that turn confirm fewer than at rest. */
 static void beams_that_meet_confirm_more(void **state) {
     (void)state;
     enum { LINES = 3, PINGS = 60000 };
-    static const double apart[] = {0.26, 0.38}; /* rad */
-    for (size_t n = 0; n < 2; n++) {
+    static const double apart[] = {0.26, 0.38, 0.26, 0.26, 0.26}; /* rad */
+    static const double turns[] = {0.0, 0.0, 0.02, -0.06, 0.26};  /* a ping */
+    for (size_t n = 0; n < 5; n++) {
         const double mid_m = 20.0, half_m = 5.0, per_ping = 1.0, step_s = 0.1;
-        double along2 = 0.0075, across2 = pow(apart[n] * mid_m, 2) / 12.0, east_m[LINES];
+        double along2 = 0.0075, across2 = pow(apart[n] * mid_m, 2) / 12.0 / (n < 2 ? 1.0 : 9.0),
+               east_m[LINES];
         asdic_tracker *tracker = NULL;
         asdic_tracker_options options = asdic_tracker_options_default();
         assert_ok(ctx, asdic_tracker_create(ctx, &options, &tracker));
@@ -350,8 +352,8 @@ static void beams_that_meet_confirm_more(void **state) {
                     break;
                 }
                 double range_m = mid_m + half_m * (2.0 * rand_r(&seed) / RAND_MAX - 1.0);
-                plots[count] =
-                    plot_on(apart[n] * (rand_r(&seed) % LINES), range_m, along2, across2);
+                plots[count] = plot_on(apart[n] * (rand_r(&seed) % LINES) + k * turns[n], range_m,
+                                       along2, across2);
             }
             total += (double)count;
             assert_ok(ctx, asdic_tracker_update(tracker, k * step_s, plots, count));
@@ -367,12 +369,16 @@ static void beams_that_meet_confirm_more(void **state) {
         asdic_plot_point plot = plot_on(0.0, mid_m, along2, across2);
         double per_m = per_ping / (2.0 * half_m * LINES), said[2];
         for (int k = 0; k < 2; k++) {
-            said[k] = total * asdic_tracker_false_share(&options, step_s, &plot, per_m, east_m,
-                                                        LINES, k ? mid_m : (double)INFINITY);
+            said[k] =
+                total * asdic_tracker_false_share(&options, step_s, &plot, per_m, east_m, LINES,
+                                                  k ? mid_m : (double)INFINITY, turns[n]);
         }
-        print_message("%g rad: %.0f confirmed of %.0f, %.1f were said, side by side %.1f\n",
-                      apart[n], confirmed, total, said[1], said[0]);
-        assert_true(confirmed > 0.67 * said[1] && confirmed < 1.33 * said[1]);
+        print_message(
+            "%g rad, turned by %g: %.0f confirmed of %.0f, %.1f were said, side by side %.1f\n",
+            apart[n], turns[n], confirmed, total, said[1], said[0]);
+        double spread = 2.6 * sqrt(said[1]);
+        assert_true(confirmed > 0.67 * said[1] - (n < 2 ? 0.0 : spread));
+        assert_true(confirmed < 1.33 * said[1] + (n < 2 ? 0.0 : spread));
         free(seen);
         asdic_tracker_destroy(&tracker);
     }

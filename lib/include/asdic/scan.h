@@ -172,7 +172,8 @@ ASDIC_API asdic_status asdic_tracker_update(asdic_tracker *tracker, double time_
 /* How many tracks clutter confirms, per plot of it. Plots fall anywhere on LINES lines, which
  * are at EAST_M, ascending, along an arc of radius PLANE_M round where they meet (INFINITY:
  * they run side by side, to the north), PLOTS_PER_M of them a ping on each, with the covariance
- * of PLOT, which is along and across each of them, STEP_S seconds from ping to ping. A plot
+ * of PLOT, which is along and across each of them, STEP_S seconds from ping to ping, in which
+ * all lines turn by TURN_RAD round where they meet. A plot
  * that no track takes founds one, and every way in which that can go on is followed: the next
  * ping has a plot in its gate with probability 1 - exp(-density x length of lines in the gate),
  * less what other tracks take. A plot on another line counts as one on the track's own once it
@@ -181,7 +182,8 @@ ASDIC_API asdic_status asdic_tracker_update(asdic_tracker *tracker, double time_
  * more. */
 ASDIC_API double asdic_tracker_false_share(const asdic_tracker_options *options, double step_s,
                                            const asdic_plot_point *plot, double plots_per_m,
-                                           const double *east_m, size_t lines, double plane_m);
+                                           const double *east_m, size_t lines, double plane_m,
+                                           double turn_rad);
 
 /* Tracks alive, valid until the next update. */
 ASDIC_API const asdic_track_state *asdic_tracker_get(const asdic_tracker *tracker, size_t *count);

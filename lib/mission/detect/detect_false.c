@@ -18,6 +18,9 @@
 #define RANGES 64
 /* Beams steeper than this (84 degrees) have all their plots on one spot. */
 #define LEAST_COS 0.1
+/* Parts of a run by how fast the vehicle turns, of which one ping each is looked at. */
+#define SHARES 4
+#define ALIKE_RAD 1e-4
 
 /* From the bearing before to bearing B, of sorted ones round the circle. */
 static double gap_before(const double *bearing, size_t beams, size_t b) {
@@ -92,9 +95,10 @@ static double plots_per_m(const asdic_detect_job *job, const asdic_pose *pose, d
     return sum;
 }
 
-/* Tracks that PLOTS false plots a ping, anywhere in range and in any beam, confirm in a ping. */
+/* Tracks that PLOTS false plots a ping, anywhere in range and in any beam, confirm in a ping, of a vehicle that turns by
+ * TURN_RAD from ping to ping. */
 static double confirmed(const asdic_detect_job *job, const asdic_pose *pose, const axes *a,
-                        double step_s, double plots) {
+                        double step_s, double turn_rad, double plots) {
     double factor = pow(a->far_m / a->near_m, 1.0 / RANGES);
     double near_m = a->near_m, sum = 0.0, along, across;
     for (int k = 0; k < RANGES && a->beams > 0; k++, near_m *= factor) {
@@ -108,7 +112,8 @@ static double confirmed(const asdic_detect_job *job, const asdic_pose *pose, con
         }
         sum += per_m * near_m * (factor - 1.0) *
                asdic_tracker_false_share(&job->options->tracker, step_s, &plot,
-                                         per_m / (double)a->beams, a->east_m, a->beams, plane_m);
+                                         per_m / (double)a->beams, a->east_m, a->beams, plane_m,
+                                         turn_rad);
     }
     return sum;
 }
@@ -119,17 +124,79 @@ static bool turns_away(const asdic_detect_job *job, const axes *a) {
     return steps * job->run->settings.sweep.step_rad > a->width_rad;
 }
 
+/* A ping, and by how much the vehicle turns to the next. */
+typedef struct turn {
+    double rad;
+    size_t ping;
+} turn;
+
+static int turns_less(const void *a, const void *b) {
+    const turn *x = a, *y = b;
+    return x->rad != y->rad ? (x->rad > y->rad) - (x->rad < y->rad)
+                            : (x->ping > y->ping) - (x->ping < y->ping);
+}
+
+/* The middle pings of each of SHARES equal shares of the run, from the straightest on. */
+static asdic_status choose_pings(const asdic_detect_job *job, turn out[SHARES]) {
+    size_t count = job->pings_done - 1;
+    turn *all = malloc((count + 1) * sizeof *all);
+    if (!all) {
+        return asdic_fail_memory(job->ctx, "turns");
+    }
+    for (size_t i = 0; i < count; i++) {
+        double by = job->track_yaw_rad[i + 1] - job->track_yaw_rad[i];
+        all[i] = (turn){fabs(remainder(by, 2.0 * ASDIC_PI)), i};
+    }
+    qsort(all, count, sizeof *all, turns_less);
+    for (size_t i = 0; i < SHARES; i++) {
+        out[i] = all[(2 * i + 1) * count / (2 * SHARES)];
+    }
+    free(all);
+    return ASDIC_OK;
+}
+
+/* Whether false tracks are said alike: from an attitude to within rounding the same. */
+static bool is_alike(const turn *a, const asdic_pose *at, const turn *b, const asdic_pose *pose) {
+    return fabs(a->rad - b->rad) < ALIKE_RAD && fabs(at->pitch_rad - pose->pitch_rad) < ALIKE_RAD &&
+           fabs(at->roll_rad - pose->roll_rad) < ALIKE_RAD;
+}
+
+/* ... on the mean of the whole run, of STEP_S seconds a ping. */
+static asdic_status confirmed_in_run(const asdic_detect_job *job, double step_s, double plots,
+                                     double *mean) {
+    turn turns[SHARES];
+    asdic_record record;
+    asdic_pose before = {0};
+    double each = 0.0;
+    TRY(choose_pings(job, turns));
+    *mean = 0.0;
+    for (size_t i = 0; i < SHARES; i++) {
+        axes a;
+        TRY(asdic_run_read(job->run, turns[i].ping, &record));
+        if (i == 0 || !is_alike(&turns[i - 1], &before, &turns[i], &record.pose)) {
+            TRY(find_axes(job, &record.pose, &a));
+            each = confirmed(job, &record.pose, &a, step_s, turns[i].rad, plots);
+            free(a.bearing_rad);
+        }
+        before = record.pose;
+        *mean += each / SHARES;
+    }
+    return ASDIC_OK;
+}
+
 asdic_status asdic_detect_expect_tracks(asdic_detect_job *job) {
     asdic_detect_report *r = job->report;
     const asdic_detect_class *none = &r->classes[r->class_count - 1];
     double pings = (double)r->pings, lasting = pings - (double)job->options->tracker.confirm;
     asdic_record record;
     TRY(asdic_run_read(job->run, r->pings - 1, &record));
-    double end_s = record.time_s;
+    double end_s = record.time_s, mean;
     TRY(asdic_run_read(job->run, 0, &record));
     axes a;
     TRY(find_axes(job, &record.pose, &a));
-    if (turns_away(job, &a) || asdic_detect_is_unknown(job) ||
+    bool is_away = turns_away(job, &a);
+    free(a.bearing_rad);
+    if (is_away || asdic_detect_is_unknown(job) ||
         r->is_coherent) { /* whose speckle stays in its place */
         r->tracks_by_chance = NAN;
     } else if (r->is_sample && lasting > 0.0) {
@@ -137,10 +204,9 @@ asdic_status asdic_detect_expect_tracks(asdic_detect_job *job) {
         /* The background may not be what thresholds take it for: where levels step, neighbours are not. */
         double passed = r->by_cfar ? (double)none->detected : none->expected;
         double alarms = fmax(job->design_alarms, passed);
-        r->tracks_by_chance =
-            lasting * confirmed(job, &record.pose, &a, (end_s - record.time_s) / (pings - 1.0),
-                                alarms / pings * per_alarm);
+        TRY(confirmed_in_run(job, (end_s - record.time_s) / (pings - 1.0),
+                             alarms / pings * per_alarm, &mean));
+        r->tracks_by_chance = lasting * mean;
     }
-    free(a.bearing_rad);
     return ASDIC_OK;
 }

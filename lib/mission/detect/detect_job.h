@@ -56,6 +56,7 @@ typedef struct asdic_detect_job {
     uint8_t *track_seen;            /* bits by track number: 1 confirmed, 2 of an object */
     size_t track_capacity;
     double *track_north_m, *track_east_m; /* of the vehicle, per ping: for the map */
+    double *track_yaw_rad;                /* ... for how it turns */
     size_t pings_done;
     asdic_detect_report *report;
     uint64_t *sight_ping; /* by sight: 1 + the last ping with a bin of it */

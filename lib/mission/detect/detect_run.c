@@ -128,6 +128,7 @@ static asdic_status take_ping(asdic_detect_job *job, size_t index, const asdic_r
     }
     TRY(asdic_tracker_update(job->tracker, record->time_s, job->plots, job->plot_count));
     job->track_north_m[job->pings_done] = record->pose.position_m.x;
+    job->track_yaw_rad[job->pings_done] = record->pose.yaw_rad;
     job->track_east_m[job->pings_done++] = record->pose.position_m.y;
     return asdic_detect_write_tracks(job, record);
 }
@@ -147,7 +148,7 @@ static asdic_status allocate(asdic_detect_job *job) {
     job->sight_hit = asdic_arena_alloc(a, sights * sizeof *job->sight_hit);
     job->sight_most = asdic_arena_alloc(a, sights * sizeof *job->sight_most);
     job->track_north_m =
-        asdic_arena_alloc(a, 2 * (job->info.pings + 1) * sizeof *job->track_north_m);
+        asdic_arena_alloc(a, 3 * (job->info.pings + 1) * sizeof *job->track_north_m);
     if (a->is_short) {
         return asdic_fail_memory(job->ctx, "detections");
     }
@@ -157,6 +158,7 @@ static asdic_status allocate(asdic_detect_job *job) {
     job->object_lin = job->rest_lin + cells;
     job->fixed_lin = job->object_lin + cells;
     job->track_east_m = job->track_north_m + job->info.pings + 1;
+    job->track_yaw_rad = job->track_east_m + job->info.pings + 1;
     return ASDIC_OK;
 }
 
