@@ -193,6 +193,7 @@ static asdic_status keep_drawn(mission_builder *b, const asdic_drawn *drawn) {
 static asdic_status keep_geometry(mission_builder *b, const asdic_yaml_node *root) {
     static const char *const keys[] = {"surface", "bottom", "objects"};
     asdic_text text = {0};
+    asdic_text_add(&text, b->mission->trial.is_ideal ? "silent\n" : "");
     for (size_t i = 0; i < sizeof keys / sizeof *keys; i++) {
         const asdic_yaml_node *node = asdic_yaml_child(root, keys[i]);
         asdic_text_format(&text, "%s:\n", keys[i]);

@@ -374,6 +374,7 @@ static asdic_status build_ground(mission_builder *b) {
     TRY(asdic_scene_create(b->ctx, &b->mission->scene));
     if (b->mission->geometry) {
         TRY(asdic_scene_keep_ground(b->mission->scene));
+        b->mission->scene->is_silent = b->mission->trial.is_ideal;
     }
     TRY(asdic_scene_set_surface(b->mission->scene, file->surface.enabled));
     asdic_material_file rows;

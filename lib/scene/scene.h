@@ -62,6 +62,7 @@ typedef struct asdic_ground {
 struct asdic_scene {
     asdic_context *ctx;
     bool committed;
+    bool is_silent; /* nobody listens: objects are not prepared for echoes */
     bool has_surface, has_bottom_plane;
     double bottom_plane_depth_m;
     size_t bottom_plane_material;

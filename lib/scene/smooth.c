@@ -104,7 +104,7 @@ asdic_status asdic_scene_smooth(asdic_scene *scene) {
         }
         const asdic_part *part = &scene->parts[number];
         bool curved = scene->materials[part->material].law->formula == DEV_LAW_FACET;
-        if (curved || part->kind == DEV_KIND_OBJECT) {
+        if (!scene->is_silent && (curved || part->kind == DEV_KIND_OBJECT)) {
             TRY(finish_part(scene, begin, end, curved));
         }
     }

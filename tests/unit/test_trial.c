@@ -499,6 +499,34 @@ static void test_meshes_are_read_once(void **state) {
     asdic_context_destroy(&ctx);
 }
 
+/* What nobody listens to is not prepared for echoes; a run that pings finds it prepared, whatever the run before was. */
+static void test_an_ideal_sonar_prepares_no_echoes(void **state) {
+    (void)state;
+    static const char scene[] =
+        "version: 1\n"
+        "bottom: {depth_m: 20}\n"
+        "objects: [{name: a, sphere: {radius_m: 1}, position_m: [20, 0, 10]}]\n"
+        "sonar: {frequency_khz: 100, source_level_db: 190, max_range_m: 30, receivers: [{}]}\n"
+        "mission: {waypoints: {points_m: [[0, 0, 10], [60, 0, 10]], speed_mps: 1}}\n"
+        "trial: {time_s: 9%s}\n";
+    char folder[] = "trial_XXXXXX", text[sizeof scene + 40];
+    asdic_context *ctx = NULL;
+    asdic_mission *m = NULL;
+    assert_int_equal(asdic_context_create(&ctx), ASDIC_OK);
+    assert_true(mkdtemp(folder) && chdir(folder) == 0);
+    for (uint64_t run = 0; run < 4; run++) {
+        bool is_ideal = run == 0 || run == 2;
+        snprintf(text, sizeof text, scene, is_ideal ? ", ideal: {pd: 1}" : "");
+        write_file("scene.yaml", text);
+        assert_int_equal(load_run(ctx, run, &m), ASDIC_OK);
+        bool is_flat = m->scene->triangles[0].corner_normals[0] == DEV_FLAT;
+        assert_int_equal(is_flat, is_ideal);
+    }
+    assert_true(remove("scene.yaml") == 0 && chdir("..") == 0 && rmdir(folder) == 0);
+    asdic_mission_destroy(&m);
+    asdic_context_destroy(&ctx);
+}
+
 /* Where even as many rays as those of `auto` leave rough pings, a trial takes as many, as a number. */
 static void test_rays_of_a_fine_sonar(void **state) {
     (void)state;
@@ -623,6 +651,7 @@ int main(void) {
         cmocka_unit_test(test_reopened),
         cmocka_unit_test(test_reopened_and_lifted),
         cmocka_unit_test(test_meshes_are_read_once),
+        cmocka_unit_test(test_an_ideal_sonar_prepares_no_echoes),
         cmocka_unit_test(test_rays_of_a_fine_sonar),
         cmocka_unit_test(test_shares_cover),
         cmocka_unit_test(test_differences),
