@@ -254,6 +254,14 @@ static void remark_on_background(cli *c, const asdic_detect_report *r, bool aske
         cli_note(c, "no background can be simulated, the scene file is not there as it was: it is "
                     "from neighbouring bins (--cfar ca)");
     }
+    if (r->by_cfar && r->pfa.low > 2.0 * r->design_pfa) {
+        cli_note(
+            c,
+            "%.2g of the bins that hold nothing are detected where thresholds are for %.2g: "
+            "levels step from bin to bin, by spreading, slopes, edges and nulls of beams, which "
+            "neighbours do not tell. Such bins stay, and so do the tracks on them",
+            r->pfa.value, r->design_pfa);
+    }
 }
 
 static asdic_status detect(cli *c, const char *folder, request *r) {

@@ -130,7 +130,8 @@ output: {images: [], csv: none}
 """)
         asdic("run", "hills.yaml", "-o", "out", "-q", cwd=folder.path).check(0)
         for background in "flat", "cfar":
-            done = asdic("detect", "out", "--background", background, "-f", "--json", "-q", *COARSE, cwd=folder.path)
+            done = asdic("detect", "out", "--background", background, "-f", "--json", *COARSE, cwd=folder.path)
+            tap.equal("levels step from bin to bin" in done.err, background == "cfar", done.err)
             tracks = json.loads(done.check(0).out)["tracks"]
             said, found = tracks["by_chance"], tracks["confirmed"]
             tap.equal(found > 20 and found / 3 < said < 1.5 * found, True, f"{background}: {tracks}")
