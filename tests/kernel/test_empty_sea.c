@@ -260,8 +260,8 @@ static double expected_tracks(const sea *s, const asdic_detect_job *job, int pin
             east_m[b] = range_m * SECTOR_RAD / (double)beams * (double)b;
         }
         double per_m = per_bin / s->rig.sonar.bin_length_m / (double)beams;
-        sum += per_bin *
-               asdic_tracker_false_share(&options, ping_s, &plot, per_m, east_m, beams, range_m, 0.0);
+        sum += per_bin * asdic_tracker_false_share(&options, ping_s, &plot, per_m, east_m, beams,
+                                                   range_m, 0.0);
     }
     free(east_m);
     return sum * (pings - 3);
