@@ -160,6 +160,13 @@ void asdic_layers_between(const asdic_environment *env, const asdic_flat_scene *
     }
 }
 
+void asdic_layers_end(asdic_layers *layers, double bottom_m) {
+    while (layers->count > 1 && layers->layer[layers->count - 1].top_m >= bottom_m) {
+        layers->count--;
+    }
+    layers->layer[layers->count - 1].bottom_m = INFINITY;
+}
+
 void asdic_layers_mirror(const asdic_layers *water, double plane_m, bool below, asdic_layers *out) {
     size_t n = water->count;
     out->count = 0;

@@ -34,6 +34,9 @@ void asdic_layers_of(const asdic_environment *env, double depth_m, asdic_layers 
 void asdic_layers_between(const asdic_environment *env, const asdic_flat_scene *flat,
                           asdic_layers *out);
 
+/* Leaves out the layers from BOTTOM_M on: the last one above it goes on without end. */
+void asdic_layers_end(asdic_layers *layers, double bottom_m);
+
 /* WATER on one side of a plane, below it or above, and its image on the other: what a ray sees that goes on straight
  * where the plane mirrors it. */
 void asdic_layers_mirror(const asdic_layers *water, double plane_m, bool below, asdic_layers *out);

@@ -109,9 +109,15 @@ static asdic_status add_path(asdic_simulator *sim, size_t nth, const asdic_ping_
 
 /* The frame of layer NUMBER's triangles (scene/lifted.h). */
 static ray_medium medium_of(const asdic_simulator *sim, size_t number, double *shift_m) {
-    bool one = sim->setup.layer_count == 0;
-    *shift_m = one ? 0.0 : sim->setup.layers[number].shift_m;
-    return (ray_medium){one ? sim->setup.bend_per_m : sim->setup.layers[number].bend_per_m, 1.0};
+    size_t count = sim->setup.layer_count;
+    *shift_m = 0.0;
+    if (count == 0) {
+        return (ray_medium){sim->setup.bend_per_m, 1.0};
+    }
+    /* Triangles below the bottom plane are in the last layer above it. */
+    const dev_layer *layer = &sim->setup.layers[number < count ? number : count - 1];
+    *shift_m = layer->shift_m;
+    return (ray_medium){layer->bend_per_m, 1.0};
 }
 
 /* Where a ray Z_M deep in LAYER is in the water. */

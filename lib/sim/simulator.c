@@ -480,6 +480,10 @@ static asdic_status plan_bend(asdic_simulator *sim, double depth_m) {
     scene_depths(scene, depth_m, &from_m, &to_m);
     TRY(check_water(sim, depth_m, from_m, to_m));
     asdic_layers_of(env, depth_m, &layers);
+    if (scene->has_bottom_plane) {
+        /* A sonar on it is taken to be a little above it (LEAST_PLANE in shot.c): no other water begins in between. */
+        asdic_layers_end(&layers, scene->bottom_plane_depth_m);
+    }
     if (layers.count > 1) {
         asdic_environment one = *env;
         one.refraction = ASDIC_REFRACTION_LAYER;

@@ -120,6 +120,34 @@ double hard_in_the_surface(void) {
     return compare(&r, ASDIC_TOTAL, ALL_BINS).most_db;
 }
 
+/* Through layers of a cast that ends on the bottom. Its first bends rays down and the next up, or, UP, the reverse. */
+static double through_layers(double depth_m, bool up) {
+    ping_rig r = one_beam(depth_m, 0.0);
+    r.env.sound_speed_profile =
+        up ? (asdic_sound_profile){4, {0.0, 4.0, 8.0, 12.0}, {1470.0, 1480.0, 1475.0, 1490.0}}
+           : (asdic_sound_profile){4, {0.0, 4.0, 8.0, 12.0}, {1490.0, 1480.0, 1485.0, 1470.0}};
+    r.sampling.rays = 1 << 18;
+    return compare(&r, ASDIC_TOTAL, ALL_BINS).most_db;
+}
+
+double hard_on_the_bottom_in_layers(void) {
+    return fmax(through_layers(12.0, false), through_layers(12.0, true));
+}
+
+/* 10 um: less than a sonar on the bottom is taken to be above it. */
+double hard_over_the_bottom_in_layers(void) {
+    return fmax(through_layers(12.0 - 1e-5, false), through_layers(12.0 - 1e-5, true));
+}
+
+double hard_in_the_surface_in_layers(void) {
+    return fmax(through_layers(0.0, false), through_layers(0.0, true));
+}
+
+/* Where sound is fastest; the plane where it is slowest is a channel's axis, on which rays fold without end. */
+double hard_between_layers(void) {
+    return fmax(through_layers(8.0, false), through_layers(4.0, true));
+}
+
 /* Around every axis, poles included. */
 double hard_every_attitude(void) {
     static const double attitude_deg[][3] = {{0, 90, 0},   {0, -90, 0},    {90, 0, 0},
