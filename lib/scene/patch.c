@@ -3,6 +3,7 @@
 #include "../base/context.h"
 #include "../base/vec.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -14,6 +15,12 @@
 /* Neighbours' normals differ by this share of what any two facets' do, squared, at least, where what turns them is
  * rounding; by far less where it is a wave or a bump of several facets. */
 #define UNLIKE 0.25
+/* Facets that turn from one to the next, of which neighbours differ by a smaller share, are of no face where their normals
+ * differ by more, r.m.s., than rounding turns them: patches are sought again that are narrower by NARROWER. */
+#define ALIKE 0.5
+#define ROUNDED 3e-5
+#define NARROWER 0.1
+#define MOST_PARTED 2
 #define NO_PATCH UINT32_MAX
 
 /* Second moments of a patch's area in its plane. */
@@ -77,47 +84,15 @@ double asdic_patch_reach(const asdic_surface *s, uint32_t patch, asdic_vec3 way)
     return length > 0.0 ? asdic_patch_width(&s->patches[patch], way) / length : 0.0;
 }
 
-static bool same_plane(const asdic_surface *s, uint32_t seed, uint32_t facet, double size_m) {
-    asdic_vec3 n = asdic_surface_normal(s, seed);
-    asdic_vec3 d = asdic_vec3_sub(n, asdic_surface_normal(s, facet));
-    asdic_vec3 p = asdic_vec3_sub(asdic_surface_corner(s, 3 * (size_t)facet),
-                                  asdic_surface_corner(s, 3 * (size_t)seed));
-    return asdic_vec3_dot(d, d) < ASDIC_SAME_PLANE * ASDIC_SAME_PLANE &&
-           fabs(asdic_vec3_dot(n, p)) < ASDIC_SAME_PLANE * size_m;
-}
+/* How the facets of a face lean: their normals' variance, and that of the difference of two neighbours' by what it would
+ * be if each leant by itself. */
+typedef struct lean {
+    double variance, unlike;
+} lean;
 
-/* All facets that SEED's plane reaches. QUEUE has room for all, SEEN for a patch per vertex. */
-static void grow_patch(asdic_surface *s, uint32_t seed, uint32_t number, double size_m,
-                       uint32_t *queue, uint32_t *seen) {
-    moments m = moments_at(s, seed);
-    size_t head = 0, tail = 0;
-    queue[tail++] = seed;
-    s->patch[seed] = number;
-    while (head < tail) {
-        uint32_t facet = queue[head++];
-        moments_add(&m, s, facet);
-        for (int k = 0; k < 3; k++) {
-            uint32_t vertex = s->vertex[3 * (size_t)facet + k];
-            if (seen[vertex] == number) {
-                continue;
-            }
-            seen[vertex] = number;
-            for (uint32_t i = s->first[vertex]; i < s->first[vertex + 1]; i++) {
-                uint32_t other = s->touching[i] / 3;
-                if (s->patch[other] == NO_PATCH && same_plane(s, seed, other, size_m)) {
-                    s->patch[other] = number;
-                    queue[tail++] = other;
-                }
-            }
-        }
-    }
-    s->patches[number] = patch_of(&m);
-    s->patches[number].facet = seed;
-}
-
-/* Whether the facets of QUEUE lean from N each by itself. */
-static bool lean_at_random(const asdic_surface *s, const uint32_t *queue, size_t count,
-                           asdic_vec3 n) {
+/* The facets of QUEUE about N; neighbours are those of the patch WITHIN, or, NO_PATCH, over all edges. */
+static lean lean_of(const asdic_surface *s, const uint32_t *queue, size_t count, asdic_vec3 n,
+                    uint32_t within) {
     double variance = 0.0, apart = 0.0, pairs = 0.0;
     for (size_t i = 0; i < count; i++) {
         const uint32_t *v = &s->vertex[3 * (size_t)queue[i]];
@@ -126,15 +101,96 @@ static bool lean_at_random(const asdic_surface *s, const uint32_t *queue, size_t
         for (int k = 0; k < 3; k++) {
             int way = 0;
             uint32_t other = asdic_surface_beyond(s, queue[i], v[k], v[(k + 1) % 3], &way);
-            asdic_vec3 next = other == ASDIC_NO_FACET ? own : asdic_surface_normal(s, other);
-            if (other != ASDIC_NO_FACET && asdic_vec3_dot(own, next) >= s->crease_cosine) {
+            if (other == ASDIC_NO_FACET || (within != NO_PATCH && s->patch[other] != within)) {
+                continue;
+            }
+            asdic_vec3 next = asdic_surface_normal(s, other);
+            if (asdic_vec3_dot(own, next) >= s->crease_cosine) {
                 asdic_vec3 turn = asdic_vec3_sub(next, own);
                 apart += asdic_vec3_dot(turn, turn);
                 pairs++;
             }
         }
     }
-    return apart >= UNLIKE * 2.0 * variance * pairs;
+    double alone = 2.0 * variance * pairs;
+    return (lean){variance, alone > 0.0 ? apart / alone : 1.0};
+}
+
+static bool same_plane(const asdic_surface *s, uint32_t seed, uint32_t facet, double most,
+                       double size_m) {
+    asdic_vec3 n = asdic_surface_normal(s, seed);
+    asdic_vec3 d = asdic_vec3_sub(n, asdic_surface_normal(s, facet));
+    asdic_vec3 p = asdic_vec3_sub(asdic_surface_corner(s, 3 * (size_t)facet),
+                                  asdic_surface_corner(s, 3 * (size_t)seed));
+    return asdic_vec3_dot(d, d) < most * most &&
+           fabs(asdic_vec3_dot(n, p)) < ASDIC_SAME_PLANE * size_m;
+}
+
+/* What patches are found with: for each facet room in QUEUE, and how often its patch was too wide; the patch that has SEEN
+ * each vertex. */
+typedef struct growth {
+    double size_m;
+    uint32_t *queue, *seen;
+    uint8_t *too_wide;
+} growth;
+
+/* The facets that SEED's plane reaches, into the queue; returns how many. */
+static size_t gather(asdic_surface *s, uint32_t seed, uint32_t number, const growth *g) {
+    double most = ASDIC_SAME_PLANE * pow(NARROWER, g->too_wide[seed]);
+    size_t head = 0, tail = 0;
+    g->queue[tail++] = seed;
+    s->patch[seed] = number;
+    while (head < tail) {
+        uint32_t facet = g->queue[head++];
+        for (int k = 0; k < 3; k++) {
+            uint32_t vertex = s->vertex[3 * (size_t)facet + k];
+            if (g->seen[vertex] == number) {
+                continue;
+            }
+            g->seen[vertex] = number;
+            for (uint32_t i = s->first[vertex]; i < s->first[vertex + 1]; i++) {
+                uint32_t other = s->touching[i] / 3;
+                if (s->patch[other] == NO_PATCH && same_plane(s, seed, other, most, g->size_m)) {
+                    s->patch[other] = number;
+                    g->queue[tail++] = other;
+                }
+            }
+        }
+    }
+    return tail;
+}
+
+/* Whether the COUNT facets of the queue, of patch NUMBER, turn from one to the next, as slivers about a ball's pole do. */
+static bool turns(const asdic_surface *s, uint32_t number, const growth *g, size_t count) {
+    asdic_vec3 sum = {0.0, 0.0, 0.0};
+    for (size_t i = 0; i < count; i++) {
+        sum = asdic_vec3_add(sum, asdic_surface_normal(s, g->queue[i]));
+    }
+    sum = asdic_vec3_scale(sum, 1.0 / (double)count);
+    lean l = lean_of(s, g->queue, count, sum, number);
+    return l.variance > ROUNDED * ROUNDED && l.unlike < ALIKE;
+}
+
+/* The patch of SEED. One that turns is parted: its facets are looked at again, for narrower ones. */
+static void grow_patch(asdic_surface *s, uint32_t seed, uint32_t number, const growth *g) {
+    size_t count = gather(s, seed, number, g);
+    while (g->too_wide[seed] < MOST_PARTED && turns(s, number, g, count)) {
+        for (size_t i = 0; i < count; i++) {
+            uint32_t facet = g->queue[i];
+            s->patch[facet] = NO_PATCH;
+            g->too_wide[facet]++;
+            for (int k = 0; k < 3; k++) {
+                g->seen[s->vertex[3 * (size_t)facet + k]] = NO_PATCH;
+            }
+        }
+        count = gather(s, seed, number, g);
+    }
+    moments m = moments_at(s, seed);
+    for (size_t i = 0; i < count; i++) {
+        moments_add(&m, s, g->queue[i]);
+    }
+    s->patches[number] = patch_of(&m);
+    s->patches[number].facet = seed;
 }
 
 /* Whether the facets of QUEUE, of a part of SIZE_M, are of several patches and all lie in one plane; FACE then is theirs
@@ -169,7 +225,8 @@ static bool are_level(const asdic_surface *s, const uint32_t *queue, size_t coun
     *face = patch_of(&m);
     face->normal = n;
     face->facet = queue[0];
-    return high - low <= LEVEL * sqrt(face->breadth2_m2) && lean_at_random(s, queue, count, n);
+    return high - low <= LEVEL * sqrt(face->breadth2_m2) &&
+           lean_of(s, queue, count, n, NO_PATCH).unlike >= UNLIKE;
 }
 
 /* Makes what lies between edges and is nearly in a plane one patch. QUEUE has room for all facets; DONE has false for each,
@@ -216,15 +273,17 @@ asdic_status asdic_surface_find_patches(asdic_context *ctx, double size_m, asdic
     s->patches = malloc(s->count * sizeof *s->patches);
     uint32_t *queue = malloc(s->count * sizeof *queue), *seen = malloc(corners * sizeof *seen);
     bool *done = calloc(4 * (size_t)s->count, sizeof *done);
+    uint8_t *too_wide = calloc(s->count, sizeof *too_wide);
+    const growth g = {size_m, queue, seen, too_wide};
     uint32_t number = 0;
-    bool has_room = s->patch && s->patches && queue && seen && done;
+    bool has_room = s->patch && s->patches && queue && seen && done && too_wide;
     if (has_room) {
         memset(s->patch, 0xff, s->count * sizeof *s->patch);
         memset(seen, 0xff, corners * sizeof *seen);
     }
     for (uint32_t facet = 0; has_room && facet < s->count; facet++) {
         if (s->patch[facet] == NO_PATCH) {
-            grow_patch(s, facet, number++, size_m, queue, seen);
+            grow_patch(s, facet, number++, &g);
         }
     }
     if (has_room) {
@@ -233,5 +292,6 @@ asdic_status asdic_surface_find_patches(asdic_context *ctx, double size_m, asdic
     free(queue);
     free(seen);
     free(done);
+    free(too_wide);
     return has_room ? ASDIC_OK : asdic_fail_memory(ctx, "the flat patches of an object");
 }
