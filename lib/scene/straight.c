@@ -5,6 +5,7 @@
 #include "base/vec.h"
 
 #include "bend.h"
+#include "patch.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -107,8 +108,10 @@ static void measure(straights *s, uint32_t seed) {
     double mean = area > 0.0 ? first / area : 0.0;
     double length2 = area > 0.0 ? 12.0 * (second / area - mean * mean) : 0.0;
     for (size_t i = 0; i < tail; i++) {
-        dev_triangle *t = &surface->facets[s->queue[i]];
-        t->flat_m2 = fmaxf(t->flat_m2, (float)length2);
+        uint32_t facet = s->queue[i];
+        dev_triangle *t = &surface->facets[facet];
+        double own = asdic_patch_width(&surface->patches[surface->patch[facet]], axis);
+        t->flat_m2 = (float)fmax(own * own, length2);
         t->radius_m = 0.0f;
     }
 }
