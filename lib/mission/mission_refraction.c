@@ -25,8 +25,9 @@
 /* Objects whose echoes are compared, at most. */
 #define TARGETS 32
 
-/* Where nothing is below the sonar, or beside it. */
+/* Where nothing is below the sonar, or beside it; one that is no higher above the bottom than NEAR_M lies on it. */
 #define REACH_M 10.0
+#define NEAR_M 0.1
 
 static const char *const names[] = {"full", "layer", "off"};
 
@@ -66,13 +67,14 @@ static depth_span find_span(const asdic_mission *m) {
     return span;
 }
 
-/* ENV in FORM, for the sonar's depths and those below it. */
+/* ENV in FORM, for the sonar's depths and those below it; above it where it lies on the bottom. */
 static asdic_environment in_form(const asdic_environment *env, asdic_refraction form,
                                  const depth_span *span) {
     asdic_environment out = *env;
     bool has_bottom = !isnan(span->bottom_m);
+    bool is_above = span->bottom_m - span->least_m > NEAR_M;
     out.refraction = form;
-    out.layer_from_m = fmax(has_bottom ? span->least_m : span->least_m - REACH_M, 0.0);
+    out.layer_from_m = fmax(is_above ? span->least_m : span->least_m - REACH_M, 0.0);
     out.layer_to_m = has_bottom ? span->bottom_m : span->most_m + REACH_M;
     return out;
 }
@@ -311,7 +313,7 @@ static void say_change(char *text, size_t size, double db) {
     }
 }
 
-static void choose(asdic_refraction_plan *out) {
+static void choose(const asdic_mission *mission, asdic_refraction_plan *out) {
     bool none = out->off_db <= ASDIC_REFRACTION_NEGLIGIBLE_DB;
     bool one = out->layer_db <= ASDIC_REFRACTION_NEGLIGIBLE_DB;
     char straight[48], layer[48];
@@ -320,9 +322,11 @@ static void choose(asdic_refraction_plan *out) {
                         : ASDIC_REFRACTION_FULL;
     say_change(straight, sizeof straight, out->off_db);
     say_change(layer, sizeof layer, out->layer_db);
+    bool mirrors = mission->settings.sampling.multipath != ASDIC_MULTIPATH_OFF;
     snprintf(out->reason, sizeof out->reason,
-             "straight rays would %s, one layer fitted from %.4g to %.4g m would %s", straight,
-             out->layer_from_m, out->layer_to_m, layer);
+             "%sstraight rays would %s, one layer fitted from %.4g to %.4g m would %s",
+             mirrors ? "echoes over mirrors aside, " : "", straight, out->layer_from_m,
+             out->layer_to_m, layer);
 }
 
 static asdic_status plan(asdic_context *ctx, const asdic_mission *mission, bool decides,
@@ -353,7 +357,7 @@ static asdic_status plan(asdic_context *ctx, const asdic_mission *mission, bool 
     asdic_ping_destroy(&c.truth);
     asdic_ping_destroy(&c.other);
     if (status == ASDIC_OK) {
-        choose(out);
+        choose(mission, out);
     }
     return status;
 }

@@ -521,6 +521,13 @@ static void refraction_is_as_much_as_is_needed(void **state) {
          {4, 25},
          {0, 0},
          ASDIC_REFRACTION_LAYER},
+        {"[[0, 1500], [40, 1470]]",
+         "{depth_m: 25}",
+         "[{name: a}]",
+         "{pose: {position_m: [0, 0, 25]}}",
+         {15, 25},
+         {0, 0},
+         ASDIC_REFRACTION_LAYER},
         {"[[0, 1500], [8, 1500], [9, 1480], [40, 1480]]",
          "{depth_m: 25}",
          FAN,
@@ -575,8 +582,9 @@ static void refraction_is_as_much_as_is_needed(void **state) {
                          changes_db[k]);
             }
             snprintf(text, sizeof text,
-                     "by %s, one layer fitted from %g to %g m would change a level by %s", said[0],
-                     cases[i].span_m[0], cases[i].span_m[1], said[1]);
+                     "echoes over mirrors aside, straight rays would change a level by %s, "
+                     "one layer fitted from %g to %g m would change a level by %s",
+                     said[0], cases[i].span_m[0], cases[i].span_m[1], said[1]);
             assert_contains(plan.reason, text);
             assert_ok(w->ctx, asdic_mission_refract_as_needed(w->ctx, m));
             assert_int_equal(asdic_mission_environment(m)->refraction, cases[i].needed);

@@ -243,12 +243,13 @@ typedef struct asdic_refraction_plan {
  * its shallowest and deepest, its first, middle and last; of up to three beams. The bound is 1.25
  * times the largest change of a total level there, noise included where the sonar has it, or of
  * the echo from the middle of one of up to 32 objects, in the beam that hears it best; INFINITY
- * where a form moves an object out of a shadow, or into one. */
+ * where a form moves an object out of a shadow, or into one. Echoes over mirrors are not compared:
+ * one that begins at a bin's edge comes a bin earlier or later by however little rays bend. */
 ASDIC_API asdic_status asdic_mission_refraction(asdic_context *ctx, const asdic_mission *mission,
                                                 asdic_refraction_plan *out);
 
 /* Lets the mission's rays follow FORM from here on; a layer is fitted from its shallowest sonar to
- * its deepest bottom. */
+ * its deepest bottom, or from 10 m above a sonar that lies on that. */
 ASDIC_API void asdic_mission_refract(asdic_mission *mission, asdic_refraction form);
 
 /* Whether its scene leaves the form to asdic_mission_refraction, and asdic_mission_refract was not
