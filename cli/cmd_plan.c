@@ -10,7 +10,7 @@
 #include <string.h>
 
 typedef struct forecast {
-    bool known;
+    bool known, asked;               /* ASKED: the scene or the user says how rays bend */
     double plan_s;                   /* which terms and rays it takes: a run finds that, too */
     double first_s, learn_s, ping_s; /* kernels and upload; a lesson; every ping */
     double write_s;                  /* every ping into the files */
@@ -79,16 +79,14 @@ static void print_bound(const asdic_plan_row *row, char *text, size_t size) {
 }
 
 /* What rays follow of the sound speed, and what simpler forms would change. */
-static void print_refraction(const asdic_mission *mission,
-                             const asdic_refraction_plan *refraction) {
+static void print_refraction(const asdic_mission *mission, const asdic_refraction_plan *refraction,
+                             bool asked) {
     static const char *const words[] = {"all layers", "one layer", "straight"};
-    if (refraction->off_db == 0.0) {
+    if (refraction->layer_to_m == 0.0) {
         return;
     }
-    const asdic_environment *env = asdic_mission_environment(mission);
-    bool planned = asdic_mission_plans_refraction(mission);
-    printf("\nrays: %s%s; %s\n", words[planned ? refraction->needed : env->refraction],
-           planned ? "" : ", as asked for", refraction->reason);
+    printf("\nrays: %s%s; %s\n", words[asdic_mission_environment(mission)->refraction],
+           asked ? ", as asked for" : "", refraction->reason);
 }
 
 static void print_text(const asdic_mission *mission, const asdic_plan *plan,
@@ -103,7 +101,7 @@ static void print_text(const asdic_mission *mission, const asdic_plan *plan,
         printf("%-11s %-9s %-10s %s\n", plan->rows[t].name,
                plan->rows[t].kept ? "kept" : "left out", bound, plan->rows[t].reason);
     }
-    print_refraction(mission, refraction);
+    print_refraction(mission, refraction, f->asked);
     char phase[160];
     bool needed = asdic_mission_needs_phase(mission, phase, sizeof phase);
     bool coherent = asdic_mission_sampling((asdic_mission *)mission)->coherent;
@@ -197,9 +195,12 @@ static asdic_status show(cli *c, asdic_mission *mission) {
     size_t count = 0;
     asdic_plan plan;
     asdic_refraction_plan refraction;
-    forecast f = {0};
+    forecast f = {.asked = !asdic_mission_plans_refraction(mission)};
     double start = cli_clock_s();
     TRY(asdic_mission_refraction(cli_context(c), mission, &refraction));
+    if (!f.asked) { /* terms and rays as the run has them */
+        asdic_mission_refract(mission, refraction.needed);
+    }
     TRY(asdic_mission_plan(cli_context(c), mission, &plan));
     f.plan_s = cli_clock_s() - start;
     if (cli_text(c, "picture")) {

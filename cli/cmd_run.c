@@ -101,6 +101,7 @@ static asdic_status keep_tolerance(cli *c, asdic_mission *mission, asdic_device 
                                    const asdic_tolerance *wanted, size_t first, size_t pings) {
     asdic_ray_budget found;
     size_t all = asdic_mission_ping_count(mission);
+    TRY(asdic_mission_refract_as_needed(cli_context(c), mission));
     TRY(asdic_mission_find_rays(cli_context(c), mission, device, wanted, &found));
     if (found.judged == 0) {
         cli_warning(
@@ -188,15 +189,14 @@ static asdic_status simulate(cli *c, asdic_mission *mission, const asdic_toleran
     options.times = &times;
     options.progress = cli_progress_report;
     options.user = &progress;
+    cli_progress_watch(&progress);
     if (!isnan(tolerance->stderr_db) && !cli_team_is_worker(options.team)) {
-        cli_progress_watch(&progress);
         status = keep_tolerance(c, mission, devices[0], tolerance, options.first, options.count);
-        cli_progress_end(&progress);
     }
     if (status == ASDIC_OK) {
         status = asdic_mission_run(cli_context(c), mission, devices, count, &options);
-        cli_progress_end(&progress);
     }
+    cli_progress_end(&progress);
     if (status == ASDIC_OK) {
         summarise(c, mission, &options, &progress);
     }

@@ -78,10 +78,6 @@ asdic_status asdic_mission_load_like(asdic_context *ctx, const char *path, const
                                      const asdic_mission *const *bases, size_t count, bool tells,
                                      asdic_mission **out);
 
-/* asdic_mission_refract by what asdic_mission_refraction says is needed, where the scene leaves it open;
- * it takes no longer than the choice does. */
-asdic_status asdic_mission_refract_as_needed(asdic_context *ctx, asdic_mission *mission);
-
 /* The bottom where it is a mesh or grid: the first object, which has no name. Else NULL. */
 const asdic_mission_object *asdic_mission_bottom_mesh(const asdic_mission *mission);
 

@@ -369,6 +369,9 @@ asdic_status asdic_mission_refraction(asdic_context *ctx, const asdic_mission *m
 
 asdic_status asdic_mission_refract_as_needed(asdic_context *ctx, asdic_mission *mission) {
     asdic_refraction_plan p;
+    if (!mission) {
+        return asdic_fail_null(ctx, __func__);
+    }
     if (asdic_mission_plans_refraction(mission) &&
         asdic_environment_bends(asdic_mission_environment(mission))) {
         TRY(plan(ctx, mission, true, &p));

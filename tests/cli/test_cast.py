@@ -280,6 +280,33 @@ def test_a_run_and_its_parts_keep_the_layer_that_was_planned():
         check(data(folder, "whole", "bins.csv") == data(folder, "joined", "bins.csv"), "the whole run and its parts")
 
 
+def test_plan_and_tolerance_measure_what_the_run_does():
+    """A cast that hardly bends: straight rays do, and what they err is what is foretold, and what rays are counted by."""
+    need_device()
+    text = """version: 1
+environment: {wind_speed_kn: 0, sound_speed_profile: [[0, 1500], [120, 1498], [240, 1480], [800, 1483]]}
+bottom: {depth_m: 400, type: gravel}
+sonar: {frequency_khz: 900, bandwidth_khz: 1, ping_rate_hz: 5.25, max_range_m: 120, source_level_db: 205,
+  bin_length_m: 10.909091, transmitter: {length_h_m: 0.00083, length_v_m: 0.00425, pitch_deg: 10},
+  receivers: {fan: {count: 8, sector_deg: 30, pitch_deg: 10, length_h_m: 0.03, length_v_m: 0.00425}}}
+mission: {pose: {position_m: [0, 0, 300]}}
+sampling: {rays: 2000}
+output: {csv: none, images: []}
+"""
+    with Folder() as folder:
+        path, foretold, rays = folder.write("scene.yaml", text), [], []
+        for form in ([], ["--refraction", "off"]):
+            told = json.loads(asdic("plan", path, "--json", *form).check(code=0).out)
+            tap.equal(told["refraction"]["needed"], "off")
+            foretold.append({key: told["forecast"][key] for key in told["forecast"] if key.startswith("stderr")})
+            asdic("run", path, "-o", folder / "run", "-f", "--tolerance", "0.1", *form).check(code=0)
+            tap.equal(facts(folder, "run")["refraction"], "off")
+            rays.append(facts(folder, "run")["rays"])
+        print("#", foretold, rays)
+        tap.equal(foretold[0], foretold[1])
+        tap.equal(rays[0], rays[1])
+
+
 def test_the_plan_bounds_what_simpler_forms_leave_out():
     """Nine profiles, sixty in the full tier, a track that dives: at places that the plan does not look at the change is within its bound."""
     draw = random.Random(20)

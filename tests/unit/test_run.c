@@ -334,13 +334,14 @@ static void sums_are_of_all_pings(void **state) {
         assert_int_equal(facts[i].device_count, i < 2 ? 1 : 2);
     }
     const asdic_run_times *a = &facts[0].times, *b = &facts[1].times, *ab = &facts[2].times;
-    const double sums_s[][3] = {{a->setup_s, b->setup_s, ab->setup_s},
+    const double sums_s[][3] = {{a->plan_s, b->plan_s, ab->plan_s},
+                                {a->setup_s, b->setup_s, ab->setup_s},
                                 {a->simulate_s, b->simulate_s, ab->simulate_s},
                                 {a->devices_s, b->devices_s, ab->devices_s},
                                 {a->write_s, b->write_s, ab->write_s},
                                 {a->pictures_s, b->pictures_s, ab->pictures_s},
                                 {a->whole_s, b->whole_s, ab->whole_s}};
-    for (size_t i = 0; i < 6; i++) {
+    for (size_t i = 0; i < 7; i++) {
         assert_close(sums_s[i][2], sums_s[i][0] + sums_s[i][1], 0.002); /* printed in ms */
     }
     assert_close_relative(facts[2].rays_per_s, 1000.0 * PINGS / ab->simulate_s, 0.1);

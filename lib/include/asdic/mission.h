@@ -234,14 +234,15 @@ ASDIC_API const char *asdic_refraction_name(asdic_refraction form);
 
 typedef struct asdic_refraction_plan {
     asdic_refraction needed;
-    double off_db, layer_db; /* bound on what straight rays, or one layer, change; 0: exact */
-    double layer_from_m, layer_to_m; /* depths between which the layer is fitted */
+    double off_db, layer_db;         /* bound on what straight rays, or one layer, change */
+    double layer_from_m, layer_to_m; /* depths between which it is fitted; 0, 0: nothing bends */
     char reason[200];
 } asdic_refraction_plan;
 
 /* Compares the forms by what is expected, over a flat bottom, at up to five places of the mission:
  * its shallowest and deepest, its first, middle and last; of up to three beams. The bound is 1.25
- * times the largest change of a total level there, noise included where the sonar has it, or of
+ * times the largest change of a total level there, noise included where the sonar has it, that no
+ * shift of echoes by up to 1/40 of a bin in each form makes up for, or of
  * the echo from the middle of one of up to 32 objects, in the beam that hears it best; INFINITY
  * where a form moves an object out of a shadow, or into one. Echoes over mirrors are not compared:
  * one that begins at a bin's edge comes a bin earlier or later by however little rays bend. */
@@ -255,6 +256,10 @@ ASDIC_API void asdic_mission_refract(asdic_mission *mission, asdic_refraction fo
 /* Whether its scene leaves the form to asdic_mission_refraction, and asdic_mission_refract was not
  * called. */
 ASDIC_API bool asdic_mission_plans_refraction(const asdic_mission *mission);
+
+/* asdic_mission_refract by what asdic_mission_refraction says is needed, where the scene leaves it
+ * open; it takes no longer than the choice does. A run begins with it. */
+ASDIC_API asdic_status asdic_mission_refract_as_needed(asdic_context *ctx, asdic_mission *mission);
 
 /* Whether the mission's echoes interfere in a way that only coherent pings show: lobes of smooth
  * bodies, a target and its image in the surface (from the first ping's place), side lobes of a
@@ -356,8 +361,8 @@ typedef struct asdic_ray_budget {
 
 /* Doubles the mission's rays until TOLERANCE is kept or its most rays are reached; sets the
  * mission's rays to what it found. The answer depends on the mission and the kind of device alone,
- * so that parts of a mission agree. ASDIC_ERROR_ARGUMENT with coherent pings, whose errors are not
- * stated. */
+ * so that parts of a mission agree. Rays bend as the mission's do now: where it plans refraction,
+ * through all layers. ASDIC_ERROR_ARGUMENT with coherent pings, whose errors are not stated. */
 ASDIC_API asdic_status asdic_mission_find_rays(asdic_context *ctx, asdic_mission *mission,
                                                asdic_device *device,
                                                const asdic_tolerance *tolerance,
@@ -371,7 +376,8 @@ typedef struct asdic_run_progress {
 
 /* Where the time of a call went. Writing and drawing go on while devices work: parts overlap. */
 typedef struct asdic_run_times {
-    double setup_s;    /* until the first device was ready */
+    double plan_s;     /* how far rays bend chosen, and which terms are needed */
+    double setup_s;    /* from the first ping's start until the first device was ready */
     double simulate_s; /* from then until the last ping was written */
     double devices_s;  /* this process's devices at work on pings, summed over them */
     double write_s;    /* files but pictures */

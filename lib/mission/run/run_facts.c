@@ -22,12 +22,13 @@ const char *const asdic_run_multipath_names[ASDIC_RUN_MULTIPATH_COUNT] = {
     [ASDIC_MULTIPATH_FIRST] = "first",
     [ASDIC_MULTIPATH_BOUNDARIES] = "boundaries"};
 
-const char *const asdic_run_time_names[ASDIC_RUN_TIME_COUNT] = {"setup", "simulate", "devices",
-                                                                "write", "pictures", "whole"};
+const char *const asdic_run_time_names[ASDIC_RUN_TIME_COUNT] = {
+    "plan", "setup", "simulate", "devices", "write", "pictures", "whole"};
 
 double *asdic_run_time(asdic_run_times *t, size_t index) {
-    double *const times[ASDIC_RUN_TIME_COUNT] = {&t->setup_s, &t->simulate_s, &t->devices_s,
-                                                 &t->write_s, &t->pictures_s, &t->whole_s};
+    double *const times[ASDIC_RUN_TIME_COUNT] = {&t->plan_s,    &t->setup_s, &t->simulate_s,
+                                                 &t->devices_s, &t->write_s, &t->pictures_s,
+                                                 &t->whole_s};
     return times[index];
 }
 

@@ -101,7 +101,7 @@ typedef struct asdic_run_uncertain_key {
     asdic_component component;
 } asdic_run_uncertain_key;
 
-#define ASDIC_RUN_TIME_COUNT 6
+#define ASDIC_RUN_TIME_COUNT 7
 #define ASDIC_RUN_UNCERTAIN_COUNT 3
 #define ASDIC_RUN_SAMPLER_COUNT (ASDIC_SAMPLER_UNIFORM_SPHERE + 1)
 #define ASDIC_RUN_MULTIPATH_COUNT (ASDIC_MULTIPATH_BOUNDARIES + 1)

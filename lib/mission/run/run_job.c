@@ -79,10 +79,15 @@ static const char *path_from_root(asdic_run_job *job) {
     return path;
 }
 
-/* What the scene leaves to the plan is planned. */
-static asdic_status choose_refraction(asdic_run_job *job) {
+/* The simulation follows the plan from here on. */
+static asdic_status plan(asdic_run_job *job) {
     asdic_run_facts *f = &job->facts;
+    double begin_s = asdic_clock_s();
     TRY(asdic_mission_refract_as_needed(job->ctx, job->mission));
+    TRY(asdic_mission_plan(job->ctx, job->mission, &f->plan));
+    f->times.plan_s = asdic_clock_s() - begin_s;
+    asdic_mission_sampling(job->mission)->left_out = f->plan.left_out;
+    f->sampling = *asdic_mission_sampling(job->mission);
     const asdic_environment *env = asdic_mission_environment(job->mission);
     f->refraction = env->refraction;
     f->layer_from_m = env->layer_from_m;
@@ -90,13 +95,12 @@ static asdic_status choose_refraction(asdic_run_job *job) {
     return ASDIC_OK;
 }
 
-/* Fills the facts that are known before the first ping. The simulation follows the plan from here
- * on. */
+/* Fills the facts that are known before the first ping. */
 static asdic_status describe(asdic_run_job *job) {
     asdic_run_facts *f = &job->facts;
     const asdic_mission *m = job->mission;
     const asdic_sonar *sonar = asdic_mission_sonar(m);
-    TRY(choose_refraction(job));
+    TRY(plan(job));
     double speed_mps = asdic_mission_speed_mps(m);
     f->version = asdic_version();
     f->state = ASDIC_RUN_RUNNING;
@@ -114,9 +118,6 @@ static asdic_status describe(asdic_run_job *job) {
     f->surface_law = flat.surface;
     f->uncertainty = asdic_mission_uncertainty(m);
     f->remarks = asdic_mission_remarks(m);
-    TRY(asdic_mission_plan(job->ctx, job->mission, &f->plan));
-    asdic_mission_sampling(job->mission)->left_out = f->plan.left_out;
-    f->sampling = *asdic_mission_sampling(job->mission);
     f->beams = sonar->receiver_count;
     f->bins = asdic_sonar_bin_count(sonar, speed_mps);
     f->bin_length_m = sonar->bin_length_m;

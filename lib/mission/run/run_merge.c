@@ -132,8 +132,8 @@ static asdic_status sum_up(merger *m) {
     for (size_t i = 0; i < m->count; i++) {
         const asdic_run_facts *part = &m->parts[i]->facts;
         f->pings_planned += part->pings_planned;
-        for (size_t k = 0; k < ASDIC_RUN_TIME_COUNT;
-             k++) { /* what the whole run costs on one machine */
+        /* what the whole run costs on one machine */
+        for (size_t k = 0; k < ASDIC_RUN_TIME_COUNT; k++) {
             *asdic_run_time(&f->times, k) += *asdic_run_time(&m->parts[i]->facts.times, k);
         }
         for (size_t k = 0; k < part->device_count; k++) {
