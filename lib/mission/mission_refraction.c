@@ -22,6 +22,14 @@
 #define SAFETY 1.25
 #define FORMS (ASDIC_REFRACTION_OFF + 1)
 
+/* Parts of a bin by which echoes may shift in each of two forms before levels are compared: what falls on
+ * one side of an edge or the other, by less than any user measures, is no change. */
+#define SHIFT (1.0 / 40.0)
+
+/* Wavelengths of an aperture that is wide in the horizontal. A wider one sees the same elevations at
+ * lower levels, in every form. */
+#define WIDEST_WL 64.0
+
 /* Objects whose echoes are compared, at most. */
 #define TARGETS 32
 
@@ -99,15 +107,14 @@ typedef struct comparison {
     asdic_sonar sonar;
     asdic_beam beams[BEAMS];
     depth_span span;
+    asdic_expected_place places[PLACES];
+    bool are_new[PLACES]; /* unlike those before */
+    size_t bins;
     asdic_ring_shelf *shelf;
-    asdic_ping *truth, *other;
-    size_t expected; /* pings so far */
-    bool decides;    /* for the choice alone: what is known to matter is looked at no longer */
+    asdic_ping *truths[PLACES], *other; /* NULL: not yet */
+    size_t expected;                    /* pings so far */
+    bool decides; /* for the choice alone: what is known to matter is looked at no longer */
 } comparison;
-
-static bool is_open(const comparison *c, double bound_db) {
-    return !c->decides || bound_db <= ASDIC_REFRACTION_NEGLIGIBLE_DB;
-}
 
 static asdic_status expect(comparison *c, asdic_refraction form, const asdic_expected_place *at,
                            asdic_ping *out) {
@@ -116,31 +123,46 @@ static asdic_status expect(comparison *c, asdic_refraction form, const asdic_exp
     return asdic_expected_compute_among(c->ctx, c->shelf, at, 0.0, &env, &c->sonar, out);
 }
 
+/* The levels that bin N of so many would have were all echoes of LIN nearer or farther by up to SHIFT. */
+static void levels_about(const double *lin, size_t n, size_t bins, double *low, double *high) {
+    double stays = (1.0 - SHIFT) * lin[n];
+    double nearer = n + 1 < bins ? stays + SHIFT * lin[n + 1] : lin[n];
+    double farther = n > 0 ? stays + SHIFT * lin[n - 1] : lin[n];
+    *low = fmin(lin[n], fmin(nearer, farther));
+    *high = fmax(lin[n], fmax(nearer, farther));
+}
+
 /* The largest change of any bin's total. */
 static double change_db(const asdic_ping *truth, const asdic_ping *other) {
     double worst = 0.0;
     for (size_t i = 0; i < truth->beams * truth->bins; i++) {
-        double a = truth->intensity_lin[ASDIC_TOTAL][i], b = other->intensity_lin[ASDIC_TOTAL][i];
-        if (a > 0.0 || b > 0.0) {
-            worst = fmax(worst, fabs(10.0 * log10(b / a)));
+        size_t n = i % truth->bins;
+        double a_low, a_high, b_low, b_high;
+        levels_about(truth->intensity_lin[ASDIC_TOTAL] + (i - n), n, truth->bins, &a_low, &a_high);
+        levels_about(other->intensity_lin[ASDIC_TOTAL] + (i - n), n, truth->bins, &b_low, &b_high);
+        if (a_low > b_high || b_low > a_high) {
+            worst = fmax(worst, 10.0 * log10(fmax(a_low / b_high, b_low / a_high)));
         }
     }
     return worst;
 }
 
-static asdic_status compare(comparison *c, const asdic_expected_place *at,
-                            asdic_refraction_plan *out) {
-    double *bounds[] = {
-        [ASDIC_REFRACTION_LAYER] = &out->layer_db, [ASDIC_REFRACTION_OFF] = &out->off_db};
-    if (!is_open(c, out->layer_db) && !is_open(c, out->off_db)) {
-        return ASDIC_OK;
-    }
-    TRY(expect(c, ASDIC_REFRACTION_FULL, at, c->truth));
-    for (int form = ASDIC_REFRACTION_LAYER; form <= ASDIC_REFRACTION_OFF; form++) {
-        if (is_open(c, *bounds[form])) {
-            TRY(expect(c, (asdic_refraction)form, at, c->other));
-            *bounds[form] = fmax(*bounds[form], SAFETY * change_db(c->truth, c->other));
+/* Raises *BOUND_DB by what FORM changes at the places. For the choice alone it ends where the form is known not to
+ * do. */
+static asdic_status compare(comparison *c, asdic_refraction form, double *bound_db) {
+    for (size_t i = 0; i < PLACES; i++) {
+        if (c->decides && *bound_db > ASDIC_REFRACTION_NEGLIGIBLE_DB) {
+            break;
         }
+        if (!c->are_new[i]) {
+            continue;
+        }
+        if (!c->truths[i]) {
+            TRY(asdic_ping_create(c->ctx, c->sonar.receiver_count, c->bins, &c->truths[i]));
+            TRY(expect(c, ASDIC_REFRACTION_FULL, &c->places[i], c->truths[i]));
+        }
+        TRY(expect(c, form, &c->places[i], c->other));
+        *bound_db = fmax(*bound_db, SAFETY * change_db(c->truths[i], c->other));
     }
     return ASDIC_OK;
 }
@@ -271,36 +293,29 @@ static asdic_expected_place place_at(const comparison *c, size_t ping) {
     return asdic_expected_place_on_grid(&flat, &pose, 0.0, 0.0);
 }
 
+/* Straight rays come first: where they do, nothing else is asked for. */
 static asdic_status compare_places(comparison *c, asdic_refraction_plan *out) {
     size_t count = asdic_mission_ping_count(c->mission);
-    asdic_expected_place places[PLACES];
-    bool are_new[PLACES];
     size_t pings[PLACES];
-    double speed_mps =
-        asdic_environment_sound_speed_mps(asdic_mission_environment(c->mission), c->span.least_m);
-    size_t bins = asdic_sonar_bin_count(&c->sonar, speed_mps);
     TRY(asdic_ring_shelf_create(c->ctx, PLACES, &c->shelf));
-    TRY(asdic_ping_create(c->ctx, c->sonar.receiver_count, bins, &c->truth));
-    TRY(asdic_ping_create(c->ctx, c->sonar.receiver_count, bins, &c->other));
+    TRY(asdic_ping_create(c->ctx, c->sonar.receiver_count, c->bins, &c->other));
     for (size_t i = 0; i < PLACES; i++) {
         pings[i] = i == 0 ? c->span.shallow : i == 1 ? c->span.deep : (i - 2) * (count - 1) / 2;
-        places[i] = place_at(c, pings[i]);
+        c->places[i] = place_at(c, pings[i]);
         bool is_new_ping = true;
-        are_new[i] = true;
+        c->are_new[i] = true;
         for (size_t k = 0; k < i; k++) {
-            are_new[i] = are_new[i] && !asdic_expected_is_near(&places[k], &places[i], 0.0, 0.0);
+            c->are_new[i] =
+                c->are_new[i] && !asdic_expected_is_near(&c->places[k], &c->places[i], 0.0, 0.0);
             is_new_ping = is_new_ping && pings[k] != pings[i];
         }
         if (is_new_ping) {
-            compare_targets(c, pings[i], (double)bins * c->sonar.bin_length_m, out);
+            compare_targets(c, pings[i], (double)c->bins * c->sonar.bin_length_m, out);
         }
     }
-    for (size_t i = 0; i < PLACES; i++) {
-        if (are_new[i]) {
-            TRY(compare(c, &places[i], out));
-        }
-    }
-    return ASDIC_OK;
+    TRY(compare(c, ASDIC_REFRACTION_OFF, &out->off_db));
+    bool straight_do = c->decides && out->off_db <= ASDIC_REFRACTION_NEGLIGIBLE_DB;
+    return straight_do ? ASDIC_OK : compare(c, ASDIC_REFRACTION_LAYER, &out->layer_db);
 }
 
 /* What a form does that leaves out what changes levels by DB. */
@@ -329,6 +344,22 @@ static void choose(const asdic_mission *mission, asdic_refraction_plan *out) {
              out->layer_to_m, layer);
 }
 
+/* The first, middle and last beam, no wider than WIDEST_WL where they lie level. */
+static void take_beams(comparison *c, double wavelength_m) {
+    const asdic_sonar *all = asdic_mission_sonar(c->mission);
+    size_t receivers = all->receiver_count, kept = receivers < BEAMS ? receivers : BEAMS;
+    c->sonar = *all;
+    c->sonar.receivers = c->beams;
+    c->sonar.receiver_count = kept;
+    for (size_t b = 0; b < kept; b++) {
+        asdic_beam *beam = &c->beams[b];
+        *beam = all->receivers[kept > 1 ? b * (receivers - 1) / (kept - 1) : 0];
+        if (fabs(sin(beam->roll_rad)) < 0.5) {
+            beam->length_h_m = fmin(beam->length_h_m, WIDEST_WL * wavelength_m);
+        }
+    }
+}
+
 static asdic_status plan(asdic_context *ctx, const asdic_mission *mission, bool decides,
                          asdic_refraction_plan *out) {
     *out = (asdic_refraction_plan){.needed = ASDIC_REFRACTION_OFF,
@@ -338,23 +369,18 @@ static asdic_status plan(asdic_context *ctx, const asdic_mission *mission, bool 
     if (!asdic_environment_bends(&full)) {
         return ASDIC_OK;
     }
-    comparison c = {.ctx = ctx,
-                    .mission = mission,
-                    .sonar = *asdic_mission_sonar(mission),
-                    .span = find_span(mission),
-                    .decides = decides};
+    comparison c = {.ctx = ctx, .mission = mission, .span = find_span(mission), .decides = decides};
     asdic_environment layer = in_form(&full, ASDIC_REFRACTION_LAYER, &c.span);
-    size_t receivers = c.sonar.receiver_count, kept = receivers < BEAMS ? receivers : BEAMS;
-    for (size_t b = 0; b < kept; b++) {
-        c.beams[b] = c.sonar.receivers[kept > 1 ? b * (receivers - 1) / (kept - 1) : 0];
-    }
-    c.sonar.receivers = c.beams;
-    c.sonar.receiver_count = kept;
+    double speed_mps = asdic_environment_sound_speed_mps(&full, c.span.least_m);
+    take_beams(&c, speed_mps / asdic_mission_sonar(mission)->frequency_hz);
+    c.bins = asdic_sonar_bin_count(&c.sonar, speed_mps);
     out->layer_from_m = layer.layer_from_m;
     out->layer_to_m = layer.layer_to_m;
     asdic_status status = compare_places(&c, out);
     asdic_ring_shelf_destroy(&c.shelf);
-    asdic_ping_destroy(&c.truth);
+    for (size_t i = 0; i < PLACES; i++) {
+        asdic_ping_destroy(&c.truths[i]);
+    }
     asdic_ping_destroy(&c.other);
     if (status == ASDIC_OK) {
         choose(mission, out);

@@ -280,6 +280,20 @@ def test_a_run_and_its_parts_keep_the_layer_that_was_planned():
         check(data(folder, "whole", "bins.csv") == data(folder, "joined", "bins.csv"), "the whole run and its parts")
 
 
+def most_apart(a_db, b_db):
+    """The largest change of a level that no shift of echoes by a fortieth of a bin, in A or B, makes up for."""
+    def about(levels_db, n):
+        lin = [10 ** (0.1 * db) for db in levels_db]
+        beside = lin[max(n - 1, 0)], lin[n], lin[min(n + 1, len(lin) - 1)]
+        return [10 * math.log10(lin[n] + (other - lin[n]) / 40) for other in beside]
+
+    worst = 0.0
+    for n in range(min(len(a_db), len(b_db))):
+        a, b = about(a_db, n), about(b_db, n)
+        worst = max(worst, min(a) - max(b), min(b) - max(a))
+    return worst
+
+
 def test_plan_and_tolerance_measure_what_the_run_does():
     """A cast that hardly bends: straight rays do, and what they err is what is foretold, and what rays are counted by."""
     need_device()
@@ -330,8 +344,8 @@ def test_the_plan_bounds_what_simpler_forms_leave_out():
                 out = asdic("expect", path, "-o", "-", "--ping", "14"[number % 2], "--refraction", form).check(code=0).out
                 total[form] = [float(row["total_db"]) for row in csv.DictReader(io.StringIO(out))]
             for form in ("layer", "off"):
-                worst = max(abs(a - b) for a, b in zip(total["full"], total[form]))
-                check(worst <= told[form + "_db"] + 1e-6, f"{points}: {form} {worst} dB, told {told[form + '_db']}")
+                worst = most_apart(total["full"], total[form])
+                check(worst <= told[form + "_db"] + 1e-3, f"{points}: {form} {worst} dB, told {told[form + '_db']}")
         print("# needed:", needed)
         check(min(needed.values()) > 0, needed)
 
