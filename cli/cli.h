@@ -113,8 +113,12 @@ typedef struct cli_part {
 
 /* K/N with 1 <= K <= N <= 1e9; the whole when it was not given. */
 cli_part cli_share(cli *c, const char *option);
-/* Narrows [*FIRST, *END) of WHAT ("pings") to its PART; false after a report when nothing is left. */
-bool cli_take_part(cli *c, cli_part part, const char *what, uint64_t *first, uint64_t *end);
+/* Narrows [*FIRST, *END) to its PART, which may be empty. */
+void cli_take_part(cli_part part, uint64_t *first, uint64_t *end);
+/* Of a part without any of the TOTAL things to share, WHAT ("pings"), FOLDER stays empty, which 'merge' passes over; NULL:
+ * none is made. Returns the exit code. */
+int cli_leave_empty(const cli *c, const char *what, uint64_t total, const char *folder);
+bool cli_is_left_empty(const char *folder);
 /* What --output names, else "PREFIX_NAME" of the scene "path/NAME.yaml", the first operand, with PART
  * where there are several, and ENDING. To be freed; NULL without memory. */
 char *cli_output(const cli *c, const char *prefix, cli_part part, const char *ending);

@@ -16,12 +16,10 @@ static bool read_options(cli *c, asdic_dataset_options *o, cli_part *part) {
     o->side_lobes = cli_given(c, "side-lobes");
     cli_mode(c, &o->force, &o->resume);
     o->frames = frames;
-    if (cli_bad_usage(c) || !cli_take_part(c, *part, "frames", &first, &frames)) {
-        return false;
-    }
+    cli_take_part(*part, &first, &frames);
     o->first = (size_t)first;
     o->end = (size_t)frames;
-    return true;
+    return !cli_bad_usage(c);
 }
 
 static asdic_status make(cli *c, const asdic_dataset_options *o) {
@@ -47,6 +45,11 @@ static int run(cli *c) {
     }
     char *folder = cli_output(c, "dataset", part, "");
     o.folder = folder;
+    if (folder && o.first == o.end) {
+        int code = cli_leave_empty(c, "frames", o.frames, folder);
+        free(folder);
+        return code;
+    }
     asdic_status status = folder ? make(c, &o) : ASDIC_ERROR_MEMORY;
     if (!status) {
         size_t frames = o.end - o.first;

@@ -23,11 +23,19 @@ static int run(cli *c) {
         cli_error(c, "out of memory");
         return CLI_FAILED;
     }
+    size_t kept = 0;
     for (size_t i = 0; i < count; i++) {
-        folders[i] = cli_operand(c, i);
+        folders[kept] = cli_operand(c, i);
+        if (!cli_is_left_empty(folders[kept])) {
+            kept++;
+        }
+    }
+    if (kept < count) {
+        cli_note(c, "%zu of %zu folders are empty and passed over", count - kept, count);
     }
     bool force = cli_given(c, "force");
-    asdic_status status = merge_by(folders[0])(cli_context(c), folders, count, folder, force);
+    asdic_status status =
+        merge_by(folders[0])(cli_context(c), folders, kept ? kept : 1, folder, force);
     free(folders);
     return cli_end(c, status);
 }
@@ -46,7 +54,8 @@ const cli_command cli_merge_command = {
     .summary = "join the parts of a run, a trial or a data set made with --shard or --pings",
     .details =
         "The parts may be given in any order; they must follow on each other without gaps, and of "
-        "what --shard divided none may lack. "
+        "what --shard divided none may lack. A folder that is empty, as of a shard without pings, "
+        "is passed over. "
         "The result has the same bytes as one run of all pings, but for the times in "
         "run.json.",
     .examples = "asdic run scene.yaml --shard 1/2 && asdic run scene.yaml --shard 2/2\n"

@@ -60,7 +60,7 @@ static bool read_request(cli *c, request *r) {
     return !cli_bad_usage(c);
 }
 
-/* The pings of --pings, of these the part of --shard. False when there are none. */
+/* The pings of --pings, of these the part of --shard, which may have none. False where the mission lacks them. */
 static bool choose_pings(cli *c, const request *r, size_t pings, asdic_run_options *options) {
     uint64_t first = r->first, end = r->end < pings ? r->end : pings;
     if (r->first >= pings || (r->end != UINT64_MAX && r->end > pings)) {
@@ -70,9 +70,7 @@ static bool choose_pings(cli *c, const request *r, size_t pings, asdic_run_optio
     }
     options->of_first = first;
     options->of_count = end - first;
-    if (!cli_take_part(c, r->part, "pings", &first, &end)) {
-        return false;
-    }
+    cli_take_part(r->part, &first, &end);
     options->first = first;
     options->count = end - first;
     return true;
@@ -243,6 +241,10 @@ static int run_alone_or_in(cli *c, asdic_team *team) {
         goto done;
     }
     options.folder = r.folder;
+    if (options.count == 0) {
+        code = cli_leave_empty(c, "pings", options.of_count, is_stream(r.folder) ? NULL : r.folder);
+        goto done;
+    }
     options.force = r.force;
     options.resume = r.resume;
     options.team = team;

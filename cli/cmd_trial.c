@@ -102,9 +102,7 @@ static bool read_request(cli *c, request *r) {
         return false;
     }
     uint64_t from = 0, to = o->runs;
-    if (!cli_take_part(c, r->part, "runs", &from, &to)) {
-        return false;
-    }
+    cli_take_part(r->part, &from, &to);
     o->first = from;
     o->count = to - from;
     return read_replay(c, r);
@@ -393,7 +391,9 @@ static int run(cli *c) {
     if (read_request(c, &r) && !(r.replay && is_worker)) { /* one run is one process's */
         char *folder = output_folder(c, &r);
         r.options.folder = folder;
-        code = folder ? fly(c, &r, team) : CLI_FAILED;
+        code = !folder                ? CLI_FAILED
+               : r.options.count == 0 ? cli_leave_empty(c, "runs", r.options.runs, folder)
+                                      : fly(c, &r, team);
         free(folder);
     }
     free(r.key);

@@ -1,6 +1,7 @@
 /* Output files of commands. */
 #include "cli.h"
 
+#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <stdlib.h>
@@ -49,6 +50,28 @@ static bool fail(const cli *c, const char *path, int error) {
     cli_error(c, "cannot write '%s': %s", path,
               error == EBUSY ? "another process is writing it just now" : strerror(error));
     return false;
+}
+
+int cli_leave_empty(const cli *c, const char *what, uint64_t total, const char *folder) {
+    if (folder && mkdir(folder, 0777) != 0 && errno != EEXIST) {
+        fail(c, folder, errno);
+        return CLI_FAILED;
+    }
+    cli_note(c, "--shard %s: nothing to do; %s to share: %llu", cli_text(c, "shard"), what,
+             (unsigned long long)total);
+    return CLI_OK;
+}
+
+bool cli_is_left_empty(const char *folder) {
+    DIR *entries = opendir(folder);
+    size_t count = 0;
+    while (entries && count < 3 && readdir(entries)) {
+        count++;
+    }
+    if (entries) {
+        closedir(entries);
+    }
+    return count == 2; /* . and .. */
 }
 
 bool cli_file_open(const cli *c, const char *path, cli_file *out) {

@@ -205,15 +205,10 @@ cli_part cli_share(cli *c, const char *option) {
     return part;
 }
 
-bool cli_take_part(cli *c, cli_part part, const char *what, uint64_t *first, uint64_t *end) {
+void cli_take_part(cli_part part, uint64_t *first, uint64_t *end) {
     uint64_t all = *end - *first;
     *end = *first + all * part.k / part.n;
     *first += all * (part.k - 1) / part.n;
-    if (*first == *end) {
-        cli_usage(c, "--shard %llu/%llu is empty: %s to share: %llu", (unsigned long long)part.k,
-                  (unsigned long long)part.n, what, (unsigned long long)all);
-    }
-    return *first < *end;
 }
 
 char *cli_output(const cli *c, const char *prefix, cli_part part, const char *ending) {

@@ -727,8 +727,8 @@ def test_what_cannot_be_is_said_once():
         says(asdic("dataset", path, "-n", "0", "-o", folder / "d"), 2, "--number")
         says(asdic("dataset", path, "-n", "2", "--shard", "3/3", "-o", folder / "e", "--threshold",
               "2"), 2, "--threshold")
-        says(asdic("dataset", path, "-n", "2", "--shard", "1/3", "-o", folder / "h"), 2,
-             "--shard 1/3 is empty: frames to share: 2")
+        says(asdic("dataset", path, "-n", "2", "--shard", "1/3", "-o", folder / "h"), 0,
+             "--shard 1/3: nothing to do; frames to share: 2")
         says(asdic("dataset", path, "-n", "2", "-o", folder / "d", "--force", "--resume"), 2,
              "--force starts afresh and --resume goes on; give one of them")
         says(asdic("dataset", folder / "none.yaml", "-o", folder / "d"), 3, "none.yaml")

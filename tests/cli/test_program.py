@@ -142,9 +142,6 @@ output: {images: []}
 """
 REFUSED = {  # what is said of it, in whole
     "run s.yaml -o x --pings 2:5": "--pings goes beyond the mission's 4 pings (0..3)",
-    "run s.yaml -o x --shard 1/9": "--shard 1/9 is empty: pings to share: 4",
-    "dataset s.yaml -o x -n 4 --shard 1/9": "--shard 1/9 is empty: frames to share: 4",
-    "trial s.yaml -o x --runs 4 --shard 1/9": "--shard 1/9 is empty: runs to share: 4",
     "expect s.yaml -o - --ping 4": "--ping 4: the mission has 4 pings (0..3)",
     "roc s.yaml -o x --ping 4": "ping 4 of a mission of 4",
     "roc s.yaml -o x --object far": "object 'far' is beyond the sonar's range of 30 m",

@@ -40,7 +40,8 @@ def test_shards_merge_to_the_whole():
             tap.equal(abs(facts(folder, "joined")["time_s"][what] - spent) < 0.01, True, f"{what}, of all parts")
         asdic("merge", *parts, "-o", "joined", cwd=folder.path).check(code=1)
         asdic("merge", *parts, cwd=folder.path).check(code=2)
-        asdic("merge", parts[0], parts[2], parts[2], "-o", "x", cwd=folder.path).check(code=3)
+        twice = asdic("merge", parts[0], parts[2], parts[2], "-o", "x", cwd=folder.path).check(code=3)
+        tap.contains(twice.err, f"'{parts[2]}' is named twice")
         for some, lacking in ((parts[:2], "0 to 1"), (parts[::2], "4 to 6")):
             done = asdic("merge", *some, "-o", "x", cwd=folder.path).check(code=3)
             tap.contains(done.err, f"pings {lacking} are in none of the parts; '{sorted(some)[0]}' is a part of pings 0 to 6")
@@ -54,6 +55,22 @@ def test_shards_merge_to_the_whole():
         rows = data(folder, "some", "bins.csv").decode().splitlines()[1:]
         whole = data(folder, "whole", "bins.csv").decode().splitlines()[1:]
         tap.equal(rows, [row for row in whole if row.split(",")[0] in "234"], "--pings 2:5")
+
+
+def test_shards_beyond_the_pings_are_empty():
+    """Three pings among five parts: two have nothing to do, and what joins them passes over these."""
+    program.need_device()
+    with Folder() as folder:
+        path, parts, empty = scene(folder, pings=3), [folder / f"part{k}" for k in range(1, 6)], 0
+        asdic("run", path, "-o", folder / "whole").check(code=0)
+        for k, part in enumerate(parts, 1):
+            done = asdic("run", path, "--shard", f"{k}/5", "-o", part).check(code=0)
+            empty += f"--shard {k}/5: nothing to do; pings to share: 3" in done.err
+        tap.equal(empty, 2)
+        done = asdic("merge", *parts, "-o", folder / "joined").check(code=0)
+        tap.contains(done.err, "2 of 5 folders are empty and passed over")
+        same(folder, "whole", "joined")
+        asdic("merge", parts[0], "-o", folder / "none").check(code=3)
 
 
 def test_a_run_of_another_curve_is_not_resumed():

@@ -94,6 +94,9 @@ static asdic_status check_parts(const merger *m) {
             return asdic_fail(m->ctx, ASDIC_ERROR_INPUT, "'%s' and '%s' differ in their %s",
                               before->folder, part->folder, difference);
         }
+        if (asdic_file_is_same(part->folder, before->folder)) {
+            return asdic_fail(m->ctx, ASDIC_ERROR_INPUT, "'%s' is named twice", part->folder);
+        }
         size_t next = before->facts.first_ping + before->facts.pings_planned;
         if (info.first_ping != next) {
             return asdic_fail(m->ctx, ASDIC_ERROR_INPUT,
