@@ -1,5 +1,6 @@
 #include "opencl.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <sys/mman.h>
 
@@ -39,19 +40,26 @@ static cl_mem create_in_huge_pages(const asdic_device *device, size_t bytes) {
     return mem;
 }
 
+/* "1.5 MiB"; of less "3.25 KiB" */
+static const char *size_text(double bytes, char text[32]) {
+    bool is_small = bytes < 1048576.0;
+    snprintf(text, 32, is_small ? "%.4g KiB" : "%.1f MiB", bytes / (is_small ? 1024.0 : 1048576.0));
+    return text;
+}
+
 asdic_status asdic_buffer_create(asdic_device *device, size_t bytes, const void *data,
                                  asdic_buffer **out) {
     const asdic_device_info *info = &device->info;
     cl_int code = CL_SUCCESS;
-    char text[64];
+    char text[64], all[32], wanted[32];
 
     *out = NULL;
+    size_text((double)bytes, wanted);
     if (bytes > info->max_alloc_bytes) {
         return asdic_fail(device->ctx, ASDIC_ERROR_MEMORY,
-                          "device '%s' allows %.1f MiB in one buffer, %.1f MiB are needed; "
+                          "device '%s' allows %s in one buffer, %s are needed; "
                           "use fewer rays or triangles, or another device",
-                          info->name, (double)info->max_alloc_bytes / 1048576.0,
-                          (double)bytes / 1048576.0);
+                          info->name, size_text((double)info->max_alloc_bytes, all), wanted);
     }
     asdic_buffer *buffer = calloc(1, sizeof *buffer);
     if (!buffer) {
@@ -67,9 +75,9 @@ asdic_status asdic_buffer_create(asdic_device *device, size_t bytes, const void 
     if (code != CL_SUCCESS) {
         free(buffer);
         return asdic_fail(device->ctx, ASDIC_ERROR_MEMORY,
-                          "device '%s' with %.1f MiB of memory cannot allocate %.1f MiB: %s",
-                          info->name, (double)info->global_bytes / 1048576.0,
-                          (double)bytes / 1048576.0, asdic_cl_error_text(code, text));
+                          "device '%s' with %s of memory cannot allocate %s: %s", info->name,
+                          size_text((double)info->global_bytes, all), wanted,
+                          asdic_cl_error_text(code, text));
     }
     if (data && bytes > 0) {
         asdic_status status = asdic_buffer_write(buffer, 0, bytes, data);

@@ -142,7 +142,7 @@ static bool word_matches(const char *selector, const asdic_device_info *info, bo
 static asdic_status no_device(asdic_context *ctx) {
     char folder[ASDIC_CACHE_SIZE];
     const char *why = asdic_cache_refusal(folder), *drivers = getenv("POCL_DEVICES");
-    if (!why && drivers && *drivers) {
+    if (!why && drivers) { /* an empty one leaves none, too */
         return asdic_fail(ctx, ASDIC_ERROR_DEVICE,
                           NO_DEVICE
                           "where PoCL is installed, POCL_DEVICES limits it to '%s': unset "

@@ -32,15 +32,17 @@ bool asdic_cache_folder(char path[ASDIC_CACHE_SIZE]) {
     return folder && snprintf(path, ASDIC_CACHE_SIZE, "%s%s", folder, below) < ASDIC_CACHE_SIZE;
 }
 
-/* 0, or why PATH can neither be written to nor be made. */
+/* 0, or why PATH can neither be written to nor be made: not every folder that root may write to takes another, and
+ * one that is not needed is not left behind. */
 static int refusal_of(const char *path) {
-    char there[ASDIC_CACHE_SIZE + 2], *slash; /* as much of it as there is */
+    char there[ASDIC_CACHE_SIZE + 32], *slash; /* as much of it as there is */
     struct stat s;
-    snprintf(there, sizeof there, "%s%s", *path == '/' ? "" : "./", path);
+    snprintf(there, ASDIC_CACHE_SIZE + 2, "%s%s", *path == '/' ? "" : "./", path);
     while (lstat(there, &s) != 0 && errno == ENOENT && (slash = strrchr(there, '/'))) {
         slash[slash == there] = '\0';
     }
-    return access(there, W_OK | X_OK) == 0 ? 0 : errno;
+    strcat(there, "/asdic-XXXXXX");
+    return mkdtemp(there) && rmdir(there) == 0 ? 0 : errno;
 }
 
 const char *asdic_cache_refusal(char path[ASDIC_CACHE_SIZE]) {

@@ -190,12 +190,15 @@ static void no_platform_names_the_variable_that_leaves_none(void **state) {
     assert_contains(asdic_context_error(ctx), "pocl-opencl-icd ocl-icd-libopencl1");
     free(replace("POCL_DEVICES", ""));
     assert_status(ctx, choose(0, "auto"), ASDIC_ERROR_DEVICE);
+    assert_contains(asdic_context_error(ctx), "POCL_DEVICES limits it to '': unset that");
+    free(replace("POCL_DEVICES", NULL));
+    assert_status(ctx, choose(0, "auto"), ASDIC_ERROR_DEVICE);
     assert_null(strstr(asdic_context_error(ctx), "POCL_DEVICES"));
     free(replace("POCL_DEVICES", kept));
     free(kept);
 }
 
-/* PoCL has no device there, installed or not. */
+/* PoCL has no device there, installed or not. In /proc root may write, but nobody makes a folder. */
 static void no_platform_names_the_folder_that_cannot_be_written(void **state) {
     (void)state;
     char *kept = replace("POCL_CACHE_DIR", "/dev/null/x");
@@ -203,6 +206,9 @@ static void no_platform_names_the_folder_that_cannot_be_written(void **state) {
     assert_contains(asdic_context_error(ctx), "set POCL_CACHE_DIR to a folder that can be written "
                                               "to: '/dev/null/x' cannot (Not a directory)");
     assert_contains(asdic_context_error(ctx), "pocl-opencl-icd ocl-icd-libopencl1");
+    free(replace("POCL_CACHE_DIR", "/proc/x/y"));
+    assert_status(ctx, choose(0, "auto"), ASDIC_ERROR_DEVICE);
+    assert_contains(asdic_context_error(ctx), "'/proc/x/y' cannot (");
     free(replace("POCL_CACHE_DIR", kept));
     free(kept);
 }
