@@ -84,7 +84,10 @@ const char *asdic_integer_parse(const char *text, size_t length, int64_t *value)
     if (number != rint(number)) {
         return "is not a whole number";
     }
-    if (fabs(number) > 9007199254740992.0) {
+    /* 2^53 + 1 is 2^53 in a double. */
+    const double most = 9007199254740992.0;
+    if (fabs(number) > most ||
+        (fabs(number) == most && strtoll(text, NULL, 10) != (int64_t)number)) {
         return "is too large: whole numbers go to 2^53 = 9007199254740992";
     }
     *value = (int64_t)number;

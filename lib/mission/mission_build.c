@@ -17,6 +17,19 @@ const char *asdic_mission_resolve(const mission_builder *b, const char *name) {
     return path;
 }
 
+bool asdic_mission_is_sound(const mission_builder *b) {
+    static const char *const parts[] = {"environment", "surface", "objects"};
+    const asdic_scene_file *file = b->file;
+    bool sound = asdic_scene_node_good(file->bottom.node) &&
+                 asdic_scene_node_good(file->sonar.node) &&
+                 asdic_scene_node_good(file->mission.node);
+    for (size_t i = 0; sound && i < sizeof parts / sizeof *parts; i++) {
+        const asdic_yaml_node *part = asdic_yaml_child(file->node, parts[i]);
+        sound = !part || !part->bad;
+    }
+    return sound;
+}
+
 asdic_status asdic_mission_file_problem(mission_builder *b, asdic_yaml_node *node,
                                         asdic_status status) {
     if (status == ASDIC_OK || status == ASDIC_ERROR_MEMORY) {

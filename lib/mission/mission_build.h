@@ -10,8 +10,14 @@
 /* A scene file is written by hand or by a small script; geometry is elsewhere. */
 #define ASDIC_MOST_SCENE_BYTES ((size_t)4 << 20)
 
-/* How much of what the file says is taken: all; all but its objects; its text and hash alone. */
-typedef enum mission_extent { MISSION_WHOLE, MISSION_EMPTY, MISSION_TEXT } mission_extent;
+/* How much of what the file says is taken: all; all but its objects; its text and hash alone; what can be told wrong
+ * without the files it names. */
+typedef enum mission_extent {
+    MISSION_WHOLE,
+    MISSION_EMPTY,
+    MISSION_TEXT,
+    MISSION_CHECKED
+} mission_extent;
 
 typedef struct mission_builder {
     asdic_context *ctx;
@@ -24,7 +30,7 @@ typedef struct mission_builder {
     size_t setting_count;
     const asdic_draw *draw; /* the run of a trial; NULL: the scene itself */
     bool many;              /* as asdic_mission_load_like; with */
-    bool tells;
+    bool tells;             /* what is said once of many runs */
     const asdic_mission *const *bases;
     size_t base_count;
     const asdic_scene_text *memory; /* where the scene is; NULL: in a file */
@@ -62,6 +68,9 @@ asdic_status asdic_mission_build_pings(mission_builder *b);
 void asdic_mission_build_rays(mission_builder *b);
 /* Checks that the sonar stays above the bottom, and remarks on objects that cannot be seen. */
 void asdic_mission_check_positions(mission_builder *b);
+
+/* Whether nothing is wrong with what the geometry and the sonar's way are made from, whatever else is. */
+bool asdic_mission_is_sound(const mission_builder *b);
 
 /* NAME, which the scene file gives, as a path from here; NULL when memory is short. */
 const char *asdic_mission_resolve(const mission_builder *b, const char *name);

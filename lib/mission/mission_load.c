@@ -72,7 +72,7 @@ static void check_array(mission_builder *b) {
     const file_array *array = &b->file->sonar.array;
     asdic_yaml_node *spacing = asdic_yaml_child(array->node, "spacing_wl");
     double off_m = fmax(sonar->array.element.length_h_m, ASDIC_LEAST_LENGTH_M);
-    if (!array->node || b->problems->total > 0) {
+    if (!array->node || !asdic_mission_is_sound(b)) {
         return;
     }
     for (size_t i = 0; i < sonar->receiver_count && asdic_is_length(off_m); i++) {
@@ -100,9 +100,11 @@ static asdic_status build(mission_builder *b) {
             asdic_mission_refract(b->mission, (asdic_refraction)b->mission->settings.refraction);
         }
     }
-    if (b->problems->total == 0 && b->extent == MISSION_WHOLE && !b->leaves_positions) {
+    if (b->extent == MISSION_WHOLE && !b->leaves_positions) {
         asdic_mission_check_positions(b);
-        check_message_times(b);
+        if (b->problems->total == 0) {
+            check_message_times(b);
+        }
     }
     return ASDIC_OK;
 }

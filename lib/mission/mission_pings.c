@@ -61,7 +61,7 @@ static double bottom_below_m(const void *user, double north_m, double east_m) {
 
 static asdic_status fly(mission_builder *b) {
     const file_waypoints *w = &b->file->mission.waypoints;
-    if (!isnan(w->altitude_m) && b->problems->total > 0) {
+    if (!isnan(w->altitude_m) && !asdic_mission_is_sound(b)) {
         return ASDIC_OK; /* there may be no bottom yet to be followed */
     }
     const asdic_flight flight = {.points_m = w->points.items,

@@ -42,12 +42,13 @@ double asdic_mission_bottom_m(const asdic_scene *scene, asdic_vec3 position_m) {
     return ABOVE_ALL_M + asdic_scene_altitude_m(scene, position_m);
 }
 
-bool asdic_mission_is_below_bottom(const asdic_mission *m, size_t ping,
-                                   char text[ASDIC_BELOW_BOTTOM_SIZE]) {
+/* asdic_mission_is_below_bottom, of a bottom at FLAT_M; NAN: of the scene's. */
+static bool is_below(const asdic_mission *m, size_t ping, double flat_m,
+                     char text[ASDIC_BELOW_BOTTOM_SIZE]) {
     double time_s;
     char time[ASDIC_DIGITS_SIZE];
     asdic_pose pose = asdic_mission_pose(m, ping, &time_s);
-    double depth_m = asdic_mission_bottom_m(m->scene, pose.position_m);
+    double depth_m = isnan(flat_m) ? asdic_mission_bottom_m(m->scene, pose.position_m) : flat_m;
     /* A mesh in float is not exact to the last digit. */
     if (!(pose.position_m.z > depth_m + 1e-6 * fabs(depth_m))) {
         return false;
@@ -61,13 +62,22 @@ bool asdic_mission_is_below_bottom(const asdic_mission *m, size_t ping,
     return true;
 }
 
+bool asdic_mission_is_below_bottom(const asdic_mission *m, size_t ping,
+                                   char text[ASDIC_BELOW_BOTTOM_SIZE]) {
+    return is_below(m, ping, NAN, text);
+}
+
 /* Pings from one that is tested against the bottom to the next. */
 static size_t bottom_step(const asdic_mission *m) {
     return (m->ping_count - 1) / MAX_TESTED_PINGS + 1;
 }
 
+/* Of a scene that is not there, as something is wrong with it, a flat bottom's depth may yet be known. */
 static void check_depths(mission_builder *b) {
     char text[ASDIC_BELOW_BOTTOM_SIZE];
+    bool is_sound = asdic_mission_is_sound(b);
+    bool is_flat = asdic_scene_node_good(asdic_yaml_child(b->file->bottom.node, "depth_m"));
+    double flat_m = is_flat && !is_sound ? b->file->bottom.depth_m : NAN;
     const asdic_mission *m = b->mission;
     const asdic_yaml_node *mission = b->file->mission.node;
     const char *kind = !m->track ? "pose" : b->file->mission.track ? "track" : "waypoints";
@@ -75,9 +85,10 @@ static void check_depths(mission_builder *b) {
     size_t step = bottom_step(m);
     size_t last = m->track ? m->ping_count : 1;
     asdic_yaml_node *position = asdic_yaml_child(node, "position_m");
+    bool is_known = asdic_scene_node_good(position ? position : node);
     node = !m->track && position ? position->last : node;
-    for (size_t i = 0; i < last; i += step) {
-        if (asdic_mission_is_below_bottom(m, i, text)) {
+    for (size_t i = 0; (is_sound || (is_flat && is_known)) && i < last; i += step) {
+        if (is_below(m, i, flat_m, text)) {
             asdic_yaml_problem(b->problems, node, "%s", text);
             return;
         }
@@ -462,11 +473,13 @@ static void remark_on_facets(mission_builder *b) {
 }
 
 void asdic_mission_check_positions(mission_builder *b) {
-    check_bottom_depth(b);
-    if (b->problems->total == 0 && !b->many) {
+    if (asdic_mission_is_sound(b)) {
+        check_bottom_depth(b);
+    }
+    if (!b->many) {
         check_depths(b);
     }
-    if (b->problems->total == 0) {
+    if (asdic_mission_is_sound(b)) {
         check_altitude(b);
     }
     if (b->problems->total == 0 && is_told(b)) {

@@ -166,7 +166,7 @@ static asdic_status place(mission_builder *b, asdic_yaml_node *node, const asdic
                           bool is_file, asdic_mission_object object) {
     asdic_mission *m = b->mission;
     asdic_status status = ASDIC_OK;
-    if (mesh && b->problems->total == 0) {
+    if (mesh && asdic_mission_is_sound(b)) {
         object.mesh = asdic_mesh_get_info(mesh);
         find_box(mesh, &object);
         asdic_mesh_hint_at_units(&object.mesh, object.name[0] != '\0', object.name[0] == '\0');
@@ -198,7 +198,7 @@ static asdic_status build_bottom(mission_builder *b) {
     asdic_material_file rows;
     asdic_material material = asdic_scene_file_bottom(b->file, &rows);
     status = read_rows(b, &rows, &material);
-    if (status != ASDIC_OK || b->problems->total > 0) {
+    if (status != ASDIC_OK || !asdic_mission_is_sound(b)) {
         asdic_mesh_destroy(&mesh);
         return status;
     }
@@ -224,7 +224,7 @@ static asdic_pose first_pose(const mission_builder *b, const file_object *o) {
 
 static asdic_status build_point(mission_builder *b, const file_object *o) {
     asdic_mission *m = b->mission;
-    if (!asdic_scene_node_good(o->node) || b->problems->total > 0) {
+    if (!asdic_mission_is_sound(b)) {
         return ASDIC_OK;
     }
     asdic_vec3 at = first_pose(b, o).position_m;
@@ -380,10 +380,8 @@ static asdic_status build_ground(mission_builder *b) {
     asdic_material_file rows;
     asdic_material surface = asdic_scene_file_surface(file, &rows);
     TRY(read_rows(b, &rows, &surface));
-    if (b->problems->total == 0) {
+    if (asdic_mission_is_sound(b)) {
         TRY(asdic_scene_set_surface_law(b->mission->scene, surface));
-    }
-    if (b->problems->total == 0) {
         TRY(asdic_scene_reserve(b->mission->scene, count_primitives(file)));
     }
     return build_bottom(b);
@@ -409,5 +407,5 @@ asdic_status asdic_mission_build_scene(mission_builder *b) {
     if (!b->mission->geometry) {
         asdic_mission_forget_meshes(b->mission);
     }
-    return b->problems->total == 0 ? asdic_scene_commit(b->mission->scene) : ASDIC_OK;
+    return asdic_mission_is_sound(b) ? asdic_scene_commit(b->mission->scene) : ASDIC_OK;
 }

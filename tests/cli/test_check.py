@@ -129,6 +129,25 @@ def test_every_error_in_one_run():
         tap.equal(lines[4], "error: s.yaml: 4 errors")
 
 
+def test_places_are_judged_beside_other_errors():
+    """What a value that could not be read has to do with is left out alone: geometry that is whole, and a flat bottom's
+    depth, are compared with the way all the same."""
+    grid = "ncols 3\nnrows 3\nxllcorner -50\nyllcorner -50\ncellsize 50\n" + 3 * "4 4 4\n"
+    below = "the sonar is at z = 7 m, below the bottom at 4 m; raise it or lower the bottom"
+    flat = MINIMAL.replace("depth_m: 12", "depth_m: 4")
+    with folder(g_asc=grid, flat_yaml=flat + "sampling: {rays: 1}\n",
+                grid_yaml=MINIMAL.replace("depth_m: 12", "grid: {file: g.asc}") + "sampling: {rays: 1}\n",
+                law_yaml=flat.replace("depth_m: 4", "depth_m: 4, type: sandd, lambert_db: -27"),
+                way_yaml=flat.replace("depth_m: 4", "depth_m: 4, type: sandd").replace(
+                    "pose: {position_m: [0, 0, 7]}", "waypoints: [[0, 0, 3], [30, 0, 9]]")) as at:
+        for name, words in (("flat", ("'rays' = 1 is out of range", below)), ("grid", ("'rays' = 1 is out of range", below)),
+                            ("law", ("'type' = sandd is not one of", "'type' has no effect beside 'lambert_db'", below)),
+                            ("way", ("'type' = sandd is not one of", "m, below the bottom at 4 m"))):
+            err = asdic("check", name + ".yaml", cwd=at).check(3).err
+            for part in (*words, f"error: {name}.yaml: {len(words)} errors"):
+                tap.contains(err, part)
+
+
 def test_all_files_are_looked_at():
     with folder(a_yaml="a: 1", b_obj=TETRAHEDRON, c_yaml=MINIMAL) as at:
         done = asdic("check", "a.yaml", "b.obj", "missing.yaml", "c.yaml", "--json", cwd=at)
@@ -514,6 +533,9 @@ def test_a_key_without_its_colon_is_named():
 def test_limits_of_whole_numbers_are_whole():
     done = asdic("check", "-", stdin=MINIMAL + "sampling: {seed: -1}\n").check(3)
     tap.contains(done.err, "'seed' = -1 is out of range [0, 9007199254740992]")
+    asdic("check", "-", stdin=MINIMAL + "sampling: {seed: 9007199254740992}\n").check(0)
+    done = asdic("check", "-", stdin=MINIMAL + "sampling: {seed: 9007199254740993}\n").check(3)
+    tap.contains(done.err, "'seed' = 9007199254740993 is too large: whole numbers go to 2^53")
 
 
 def test_odd_inputs_are_refused():

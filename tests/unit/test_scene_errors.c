@@ -51,28 +51,32 @@ static void ranges_name_value_limit_and_unit(void **state) {
 
 static void numbers_are_plain_decimal(void **state) {
     (void)state;
+#define GIVE "; give a number in [0.1, 3000] kHz"
     const struct {
         const char *value, *message;
     } cases[] = {
-        {"abc", "'frequency_khz' = abc is not a number"},
-        {".nan", "'frequency_khz' = .nan is not a finite number"},
-        {"-.INF", "'frequency_khz' = -.INF is not a finite number"},
-        {"nan", "'frequency_khz' = nan is not a finite number"},
+        {"abc", "'frequency_khz' = abc is not a number" GIVE},
+        {".nan", "'frequency_khz' = .nan is not a finite number" GIVE},
+        {"-.INF", "'frequency_khz' = -.INF is not a finite number" GIVE},
+        {"nan", "'frequency_khz' = nan is not a finite number" GIVE},
         {"1,5",
          "'frequency_khz' = 1,5 is not a number; the decimal separator is a point, digits are "
-         "not grouped"},
-        {"1_00", "'frequency_khz' = 1_00 is not a number; digits are not grouped"},
-        {"0100", "'frequency_khz' = 0100 is not a decimal number; leave out leading zeros"},
-        {"0x64", "'frequency_khz' = 0x64 is not a number"},
-        {"1:40", "'frequency_khz' = 1:40 is not a number"},
-        {"100 kHz", "'frequency_khz' = 100 kHz is not a number"},
-        {"100kHz", "'frequency_khz' = 100kHz is not a number"},
-        {"1e", "'frequency_khz' = 1e is not a number"},
-        {"1e999", "'frequency_khz' = 1e999 is too large for a double"},
-        {"'100'", "'frequency_khz' = \"100\" is text, not a number; leave out the quotes"},
-        {"[100]", "'frequency_khz' is a list, which must be a number in kHz"},
-        {"{a: 1}", "'frequency_khz' is a map, which must be a number in kHz"},
-        {"true", "'frequency_khz' = true is not a number"},
+         "not grouped" GIVE},
+        {"1_00", "'frequency_khz' = 1_00 is not a number; digits are not grouped" GIVE},
+        {"0100", "'frequency_khz' = 0100 is not a decimal number; leave out leading zeros" GIVE},
+        {"0x64", "'frequency_khz' = 0x64 is not a number" GIVE},
+        {"1:40", "'frequency_khz' = 1:40 is not a number" GIVE},
+        {"100 kHz", "'frequency_khz' = 100 kHz is not a number" GIVE},
+        {"100kHz", "'frequency_khz' = 100kHz is not a number" GIVE},
+        {"1e", "'frequency_khz' = 1e is not a number" GIVE},
+        {"1e999", "'frequency_khz' = 1e999 is too large for a double" GIVE},
+        {"'100'",
+         "'frequency_khz' = \"100\" is text, not a number in [0.1, 3000] kHz; leave out the "
+         "quotes"},
+        {"'abc'", "'frequency_khz' = \"abc\" is text, not a number in [0.1, 3000] kHz"},
+        {"[100]", "'frequency_khz' is a list, which must be a number in [0.1, 3000] kHz"},
+        {"{a: 1}", "'frequency_khz' is a map, which must be a number in [0.1, 3000] kHz"},
+        {"true", "'frequency_khz' = true is not a number" GIVE},
         {"1111111111111111111111111111111111111111111111",
          "'frequency_khz' = 1111111111111111111111111111111111111111... is out of range "
          "[0.1, 3000] kHz"},
@@ -85,10 +89,11 @@ static void numbers_are_plain_decimal(void **state) {
         expect_edit("frequency_khz: 100", to, expected);
     }
     expect_edit("frequency_khz: 100", "frequency_khz:",
-                "4:3: error: 'frequency_khz' has no value; it must be a number in kHz  "
+                "4:3: error: 'frequency_khz' has no value; it must be a number in [0.1, 3000] kHz  "
                 "[sonar.frequency_khz]\n");
     expect_edit("mission:\n", "mission:\n  pings: 1.5\n",
-                "8:10: error: 'pings' = 1.5 is not a whole number  [mission.pings]\n");
+                "8:10: error: 'pings' = 1.5 is not a whole number; give a whole number in "
+                "[1, 1000000000]  [mission.pings]\n");
     expect_edit("mission:\n", "mission:\n  pings: 0\n",
                 "8:10: error: 'pings' = 0 is out of range [1, 1000000000]  [mission.pings]\n");
     expect_edit("mission:\n", "mission:\n  pings: 2e1\n", "");
@@ -126,9 +131,10 @@ static void words_and_booleans(void **state) {
         "did you mean 'fan'?  [output.images[1]]\n"
         "7:36: error: 'images' = 3 is not one of waterfall, ascope, fan, overview, plan  "
         "[output.images[2]]\n");
-    expect_edit("mission:", "output: {images: fan}\nmission:",
-                "7:18: error: 'images' must be a list of waterfall, ascope, fan, overview, plan  "
-                "[output.images]\n");
+    expect_edit(
+        "mission:", "output: {images: fan}\nmission:",
+        "7:18: error: 'images' = fan is not a list of waterfall, ascope, fan, overview, plan  "
+        "[output.images]\n");
     expect_edit("mission:", "surface: {enabled: maybe}\nmission:",
                 "7:20: error: 'enabled' = maybe is not true or false  [surface.enabled]\n");
     expect_edit("mission:", "surface: {enabled: 'true'}\nmission:",
@@ -163,11 +169,45 @@ static void maps_and_lists_have_their_form(void **state) {
                 "6:7: error: each entry must be a map, that is 'key: value' lines  "
                 "[sonar.receivers[0]]\n");
     expect_edit("[0, 0, 7]", "[0, 0]",
-                "8:22: error: 'position_m' must be a list of 3 numbers in m  "
+                "8:22: error: 'position_m' has 2 entries; it must be a list of 3 numbers in m  "
                 "[mission.pose.position_m]\n");
     expect_errors("just text\n",
                   "1:1: error: this must be a map, that is 'key: value' lines  [scene]\n");
     expect_errors("- 1\n", "1:1: error: this must be a map, that is 'key: value' lines  [scene]\n");
+}
+
+/* YAML's words for nothing are as nothing at all. */
+static void null_is_no_value(void **state) {
+    (void)state;
+    static const char *const words[] = {"null", "~", "Null", "NULL"};
+    for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
+        char to[96];
+        snprintf(to, sizeof to, "environment: {ph: %s}\nmission:", words[i]);
+        expect_edit("mission:", to,
+                    "7:19: error: 'ph' has no value; it must be a number in [7, 8.5]  "
+                    "[environment.ph]\n");
+    }
+    expect_edit("  pose: {position_m: [0, 0, 7]}", "  track: null",
+                "8:10: error: 'track' has no value; it must be the name of a file  "
+                "[mission.track]\n");
+    expect_edit("depth_m: 12", "mesh: {file: null}",
+                "2:23: error: 'file' has no value; it must be the name of a file  "
+                "[bottom.mesh.file]\n");
+    expect_edit("name: forward", "name: 'null'", "");
+}
+
+/* A slip makes one error, whatever it leaves missing. */
+static void slips_make_one_error(void **state) {
+    (void)state;
+    expect_edit("frequency_khz", "frequncy_khz",
+                "4:3: error: unknown key 'frequncy_khz'; did you mean 'frequency_khz'?  [sonar]\n");
+    expect_edit("depth_m", "dpeth_m",
+                "2:10: error: unknown key 'dpeth_m'; did you mean 'depth_m'?  [bottom]\n");
+    expect_edit(
+        "pose:", "psoe:", "8:3: error: unknown key 'psoe'; did you mean 'pose'?  [mission]\n");
+    expect_edit("{depth_m: 12}", "nonne",
+                "2:9: error: this must be a map, that is 'key: value' lines; did you mean 'none'?  "
+                "[bottom]\n");
 }
 
 static void missing_keys_are_all_named(void **state) {
@@ -265,7 +305,8 @@ static void names_are_fit_for_files_and_differ(void **state) {
     expect_edit("forward", "..",
                 "6:13: error: 'name' = .. is not fit for file names; use letters, digits, '_', "
                 "'-' and '.', beginning with a letter, digit or '_'  [sonar.receivers[0].name]\n");
-    expect_edit("forward", "''", "6:13: error: 'name' must be a name  [sonar.receivers[0].name]\n");
+    expect_edit("forward", "''",
+                "6:13: error: 'name' = \"\" is not a name  [sonar.receivers[0].name]\n");
     expect_edit("forward", "\"a\\0b\"",
                 "6:13: error: 'name' holds a zero character  [sonar.receivers[0].name]\n");
     expect_edit("forward", "a123456789a123456789a123456789a123456789a123456789a123456789abcd",
@@ -475,6 +516,33 @@ static void coherent_pings_have_no_truth(void **state) {
     expect_edit(RECEIVERS "mission:", ARRAY "output: {truth: false}\n" COHERENT, "");
 }
 
+/* A value that could not be read hides no more than what hangs on it. */
+static void relations_are_judged_beside_other_errors(void **state) {
+    (void)state;
+    expect_edit("{depth_m: 12}", "{depth_m: 12, type: sandd, lambert_db: -27}",
+                "2:23: error: 'type' has no effect beside 'lambert_db'; give only one of them  "
+                "[bottom]\n"
+                "2:29: error: 'type' = sandd is not one of mud, sand, gravel, rock or a number in "
+                "[1, 4]; did you mean 'sand'?  [bottom.type]\n");
+    expect_edit("{depth_m: 12}", "{none: true, type: sandd, position_m: [1, 2, 3]}",
+                "2:22: error: 'type' has no effect without a bottom; leave it out  [bottom]\n"
+                "2:28: error: 'type' = sandd is not one of mud, sand, gravel, rock or a number in "
+                "[1, 4]; did you mean 'sand'?  [bottom.type]\n"
+                "2:35: error: 'position_m' has no effect without a bottom; leave it out  "
+                "[bottom]\n");
+    expect_edit("  pose: {position_m: [0, 0, 7]}", "  pose: {position_m: [0, 0, -7], yaw_deg: x}",
+                "8:29: error: the sonar is 7 m above the sea surface; z is positive down  "
+                "[mission.pose.position_m[2]]\n"
+                "8:43: error: 'yaw_deg' = x is not a number; give a number in [-360, 360] deg  "
+                "[mission.pose.yaw_deg]\n");
+    expect_edit("  pose: {position_m: [0, 0, 7]}",
+                "  waypoints: {speed_mps: x, points_m: [[0, 0, 5], [1, 0, -5]]}",
+                "8:26: error: 'speed_mps' = x is not a number; give a number in [0.05, 20] m/s  "
+                "[mission.waypoints.speed_mps]\n"
+                "8:58: error: the waypoint is 5 m above the sea surface; z is positive down  "
+                "[mission.waypoints.points_m[1][2]]\n");
+}
+
 static void waypoints_can_be_flown(void **state) {
     (void)state;
     const char *pose = "  pose: {position_m: [0, 0, 7]}";
@@ -489,11 +557,12 @@ static void waypoints_can_be_flown(void **state) {
                 "8:14: error: 'points_m' has 1 entries, which is out of range [2, 10000]  "
                 "[mission.waypoints.points_m]\n");
     expect_edit(pose, "  waypoints: [[0, 0, 7], [1, 2], 3, [x, 1e9, 0]]",
-                "8:26: error: 'points_m' must be a list of 3 numbers in m  "
+                "8:26: error: 'points_m' has 2 entries; it must be a list of 3 numbers in m  "
                 "[mission.waypoints.points_m[1]]\n"
-                "8:34: error: 'points_m' must be a list of 3 numbers in m  "
+                "8:34: error: 'points_m' = 3 is not a list of 3 numbers in m  "
                 "[mission.waypoints.points_m[2]]\n"
-                "8:38: error: 'points_m' = x is not a number  "
+                "8:38: error: 'points_m' = x is not a number; give a number in "
+                "[-10000000, 10000000] m  "
                 "[mission.waypoints.points_m[3][0]]\n"
                 "8:41: error: 'points_m' = 1e9 is out of range [-10000000, 10000000] m  "
                 "[mission.waypoints.points_m[3][1]]\n");
@@ -609,6 +678,8 @@ int main(void) {
         cmocka_unit_test(rays_or_auto),
         cmocka_unit_test(words_and_booleans),
         cmocka_unit_test(maps_and_lists_have_their_form),
+        cmocka_unit_test(null_is_no_value),
+        cmocka_unit_test(slips_make_one_error),
         cmocka_unit_test(missing_keys_are_all_named),
         cmocka_unit_test(alternatives_exclude_each_other),
         cmocka_unit_test(points_and_presets_are_checked),
@@ -619,6 +690,7 @@ int main(void) {
         cmocka_unit_test(coherent_pings_are_checked),
         cmocka_unit_test(elements_need_coherent_pings),
         cmocka_unit_test(coherent_pings_have_no_truth),
+        cmocka_unit_test(relations_are_judged_beside_other_errors),
         cmocka_unit_test(waypoints_can_be_flown),
         cmocka_unit_test(all_errors_come_in_one_run_in_order),
         cmocka_unit_test(only_a_hundred_errors_are_shown),

@@ -195,8 +195,8 @@ static void line_ends_of_all_systems(void **state) {
 static void hostile_values_are_shown_tamely(void **state) {
     (void)state;
     expect_edit("100", "\"\\e[31m%s%n\\0\"",
-                "4:18: error: 'frequency_khz' = \"?[31m%s%n?\" is text, not a number; leave out "
-                "the quotes  [sonar.frequency_khz]\n");
+                "4:18: error: 'frequency_khz' = \"?[31m%s%n?\" is text, not a number in [0.1, "
+                "3000] kHz  [sonar.frequency_khz]\n");
     expect_edit(
         "frequency_khz: 100", "frequency_khz: 100\n  \"%s%s%n\\0x\": 1",
         "5:3: error: a key holds a zero character  [sonar]\n"

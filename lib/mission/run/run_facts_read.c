@@ -67,7 +67,7 @@ static void read_rows(reader *r, asdic_arena *arena, const asdic_yaml_node *list
 static void read_law(reader *r, asdic_arena *arena, const char *key, asdic_material *material) {
     const asdic_yaml_node *map = asdic_yaml_child(r->root, key);
     *material = (asdic_material){0};
-    if (map && map->kind == ASDIC_YAML_SCALAR && strcmp(map->text, "null") == 0) {
+    if (map && map->kind == ASDIC_YAML_SCALAR && map->length == 0) { /* null */
         return;
     }
     *material = asdic_material_of(asdic_law_find(map ? read_text(r, map, "law") : ""));
@@ -89,8 +89,7 @@ static void read_uncertainty(reader *r, asdic_uncertainty *uncertainty) {
     }
     for (size_t i = 0; map && i < ASDIC_RUN_UNCERTAIN_COUNT; i++) {
         const asdic_yaml_node *node = asdic_yaml_child(map, asdic_run_uncertain_keys[i].name);
-        bool stated = node && node->text && strcmp(node->text, "null") != 0;
-        if (stated) {
+        if (node && node->length > 0) { /* not null */
             uncertainty->db[asdic_run_uncertain_keys[i].component] =
                 read_number(r, map, asdic_run_uncertain_keys[i].name);
         }

@@ -29,6 +29,26 @@ static bool is_bad(const asdic_yaml_node *map, const char *key) {
     return child && child->bad;
 }
 
+/* Whether none of KEYS, which end with NULL, is bad in MAP. */
+static bool are_read(const asdic_yaml_node *map, const char *const *keys) {
+    while (*keys && !is_bad(map, *keys)) {
+        keys++;
+    }
+    return !*keys;
+}
+
+/* Whether what sound speeds are made from is good. */
+static bool knows_speed(const asdic_scene_file *file) {
+    static const char *const keys[] = {"temperature_degc",
+                                       "salinity_ppt",
+                                       "sound_speed_mps",
+                                       "sound_speed_profile",
+                                       "sound_speed_gradient_per_s",
+                                       NULL};
+    const asdic_yaml_node *node = asdic_yaml_child(file->node, "environment");
+    return !node || (file->environment.node && are_read(file->environment.node, keys));
+}
+
 typedef struct named_node {
     const char *name;
     asdic_yaml_node *node;
@@ -95,19 +115,23 @@ static void check_profile(const asdic_scene_file *file, asdic_problems *problems
     }
 }
 
+static bool knows_pose(const asdic_scene_file *file) {
+    return asdic_scene_node_good(asdic_yaml_child(file->mission.pose.node, "position_m"));
+}
+
 /* How far down rays go: to a flat bottom, or without one to the range, of the sonar of a mission at rest or, of
  * others, one at the surface. NAN: not known, as meshes are not read yet. */
 static double deepest_m(const asdic_scene_file *file, const asdic_environment *env) {
+    static const char *const keys[] = {"ping_rate_hz", "max_range_m", "bin_length_m", NULL};
     const file_sonar *s = &file->sonar;
     if (!file->bottom.none) {
         return file->bottom.depth_m;
     }
-    if (!s->node || is_bad(s->node, "ping_rate_hz") || is_bad(s->node, "max_range_m") ||
-        is_bad(s->node, "bin_length_m")) {
+    if (!s->node || !are_read(s->node, keys)) {
         return NAN;
     }
     const file_pose *pose = &file->mission.pose;
-    double depth_m = asdic_scene_node_good(pose->node) ? fmax(pose->position_m[2], 0.0) : 0.0;
+    double depth_m = knows_pose(file) ? fmax(pose->position_m[2], 0.0) : 0.0;
     asdic_sonar sonar = asdic_scene_file_sonar(file);
     double sound_speed_mps = asdic_environment_sound_speed_mps(env, depth_m);
     return depth_m + (double)asdic_sonar_bin_count(&sonar, sound_speed_mps) * s->bin_length_m;
@@ -117,8 +141,9 @@ static double deepest_m(const asdic_scene_file *file, const asdic_environment *e
 static void check_gradient(const asdic_scene_file *file, asdic_problems *problems) {
     asdic_yaml_node *node = asdic_yaml_child(file->environment.node, "sound_speed_gradient_per_s");
     double surface_mps, gradient = file->environment.sound_speed_gradient_per_s;
-    if (!asdic_scene_node_good(node) || is_bad(file->node, "environment") ||
-        is_bad(file->node, "bottom")) {
+    static const char *const depths[] = {"depth_m", "none", "mesh", "grid", NULL};
+    if (!asdic_scene_node_good(node) || !knows_speed(file) || !file->bottom.node ||
+        !are_read(file->bottom.node, depths)) {
         return;
     }
     asdic_environment env = asdic_scene_file_environment(file);
@@ -145,8 +170,8 @@ static void check_gradient(const asdic_scene_file *file, asdic_problems *problem
 void asdic_scene_file_check_bins(const asdic_scene_file *file, double depth_m,
                                  asdic_problems *problems) {
     const file_sonar *s = &file->sonar;
-    if (!s->node || is_bad(s->node, "ping_rate_hz") || is_bad(s->node, "max_range_m") ||
-        is_bad(file->node, "environment")) {
+    static const char *const keys[] = {"ping_rate_hz", "max_range_m", NULL};
+    if (!s->node || !are_read(s->node, keys) || !knows_speed(file)) {
         return;
     }
     asdic_environment env = asdic_scene_file_environment(file);
@@ -194,7 +219,8 @@ void asdic_scene_file_check_bins(const asdic_scene_file *file, double depth_m,
 
 /* Steps must fill the sector: on a circle the last direction's neighbour is the first. */
 static void check_scan(const file_sweep *scan, asdic_problems *problems) {
-    if (!asdic_scene_node_good(scan->node)) {
+    static const char *const keys[] = {"sector_deg", "step_deg", NULL};
+    if (!scan->node || !are_read(scan->node, keys)) {
         return;
     }
     double steps = scan->sector_deg / scan->step_deg;
@@ -215,7 +241,7 @@ static void check_array(const file_array *array, asdic_problems *problems) {
     bool levels =
         array->shading == ASDIC_SHADING_TAYLOR || array->shading == ASDIC_SHADING_CHEBYSHEV;
     asdic_yaml_node *level = asdic_yaml_child(array->node, "side_lobe_db");
-    if (asdic_scene_node_good(array->node) && level && !levels) {
+    if (level && !levels && !is_bad(array->node, "shading")) {
         asdic_yaml_key_problem(problems, level,
                                "'side_lobe_db' has no effect without 'shading: taylor' or "
                                "'shading: chebyshev'; leave it out");
@@ -289,8 +315,8 @@ static void check_sonar(const asdic_scene_file *file, asdic_arena *arena,
     const file_mission *mission = &file->mission;
     if (!asdic_scene_node_good(asdic_yaml_child(mission->node, "track")) &&
         !asdic_scene_node_good(mission->waypoints.node)) {
-        bool is_known = asdic_scene_node_good(mission->pose.node);
-        asdic_scene_file_check_bins(file, is_known ? mission->pose.position_m[2] : 0.0, problems);
+        asdic_scene_file_check_bins(file, knows_pose(file) ? mission->pose.position_m[2] : 0.0,
+                                    problems);
     }
 }
 
@@ -298,16 +324,13 @@ static void check_sonar(const asdic_scene_file *file, asdic_arena *arena,
 static void check_bottom(const file_bottom *bottom, asdic_problems *problems) {
     static const char *const placing[] = {"position_m", "rotation_deg"};
     asdic_yaml_node *node = bottom->node;
-    if (!asdic_scene_node_good(node)) {
-        return;
-    }
     asdic_yaml_node *none = asdic_yaml_child(node, "none");
-    if (none && !bottom->none) {
+    if (asdic_scene_node_good(none) && !bottom->none) {
         asdic_yaml_problem(problems, none,
                            "'none' = false does not say what the bottom is; give 'depth_m', 'mesh' "
                            "or 'grid'");
     }
-    bool placed = bottom->mesh.node || bottom->grid.node;
+    bool placed = !bottom->none && !asdic_yaml_child(node, "depth_m");
     for (size_t i = 0; i < sizeof placing / sizeof *placing; i++) {
         asdic_yaml_node *child = asdic_yaml_child(node, placing[i]);
         if (child && !placed) {
@@ -379,7 +402,7 @@ static void check_objects(const asdic_scene_file *file, asdic_arena *arena,
 /* Checks that the sonar is in the water. Whether it is above the bottom is asked when that is there. */
 static void check_pose(const asdic_scene_file *file, asdic_problems *problems) {
     const file_pose *pose = &file->mission.pose;
-    if (!asdic_scene_node_good(pose->node)) {
+    if (!knows_pose(file)) {
         return;
     }
     double z_m = pose->position_m[2];
@@ -412,6 +435,10 @@ static void check_remus(const file_waypoints *w, asdic_problems *problems) {
 
 /* Checks speeds, and the keys of the vehicle's model. */
 static void check_vehicle(const file_waypoints *w, asdic_problems *problems) {
+    static const char *const keys[] = {"vehicle", "speed_mps", "dive_rate_mps", NULL};
+    if (!are_read(w->node, keys)) {
+        return;
+    }
     if (w->vehicle == ASDIC_VEHICLE_REMUS100) {
         check_remus(w, problems);
     } else if (w->dive_rate_mps >= w->speed_mps) {
@@ -442,19 +469,21 @@ static bool check_current(const file_waypoints *w, size_t index, asdic_problems 
 
 /* Checks that the vehicle can fly from point to point through water. */
 static void check_waypoints(const asdic_scene_file *file, asdic_problems *problems) {
+    static const char *const speeds[] = {"speed_mps", "current_mps", NULL};
     const file_waypoints *w = &file->mission.waypoints;
-    if (!asdic_scene_node_good(w->node)) {
+    asdic_yaml_node *points = asdic_yaml_child(w->node, "points_m");
+    if (!w->node) {
         return;
     }
+    bool makes_way = are_read(w->node, speeds); /* said once */
     check_vehicle(w, problems);
     if (!isnan(w->altitude_m) && file->bottom.none) {
         asdic_yaml_problem(problems, at(w->node, "altitude_m"),
                            "'altitude_m' has no effect with 'bottom: none', below which there is "
                            "nothing to keep above; leave it out or give a bottom");
     }
-    asdic_yaml_node *node = asdic_yaml_child(w->node, "points_m")->first;
+    asdic_yaml_node *node = asdic_scene_node_good(points) ? points->first : NULL;
     const double *last_m = NULL, *m = w->points.items;
-    bool makes_way = true; /* said once */
     for (size_t i = 0; node; node = node->next, last_m = m, m += 3, i++) {
         if (m[2] < 0.0) {
             asdic_yaml_problem(problems, node->last,

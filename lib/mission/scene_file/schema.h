@@ -88,16 +88,25 @@ typedef struct asdic_table {
 void asdic_schema_read(const asdic_table *table, const asdic_table *root, asdic_yaml_node *node,
                        asdic_arena *arena, asdic_problems *problems, void *out);
 
-/* The JSON Schema (draft 7) of ROOT, appended to TEXT. */
-void asdic_schema_print(const asdic_table *root, asdic_text *text);
-
-/* One scalar or list of scalars by its key (schema_value.c). */
 typedef struct asdic_schema_reader {
     const asdic_table *root;
     asdic_arena *arena;
     asdic_problems *problems;
 } asdic_schema_reader;
 
+/* The key of PATH, "sonar.receivers[0].pitch_deg", as *OUT: of an entry of a list, as if a map had it alone. False
+ * after a problem of BLAME: the tables have no such key. */
+bool asdic_schema_find(const asdic_schema_reader *reader, const char *path, asdic_yaml_node *blame,
+                       asdic_key *out);
+
+/* Reports what is wrong with NODE as the value of KEY, which asdic_schema_find gave. */
+void asdic_schema_read_alone(const asdic_schema_reader *reader, const asdic_key *key,
+                             asdic_yaml_node *node);
+
+/* The JSON Schema (draft 7) of ROOT, appended to TEXT. */
+void asdic_schema_print(const asdic_table *root, asdic_text *text);
+
+/* One scalar or list of scalars by its key (schema_value.c). */
 void asdic_schema_read_value(const asdic_schema_reader *reader, const asdic_key *key,
                              asdic_yaml_node *node, void *out);
 

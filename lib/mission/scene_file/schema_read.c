@@ -7,10 +7,14 @@
 #include "base/text.h"
 
 #include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* More than any table has. */
 #define MAX_TABLE_KEYS 64
+/* Longer than any key's name. */
+#define MOST_KEY_BYTES 96
 
 static void read_map(const asdic_schema_reader *r, const asdic_table *table, asdic_yaml_node *node,
                      void *out);
@@ -49,31 +53,52 @@ static size_t find_homes(const asdic_table *table, const char *key, const char *
     return homes;
 }
 
-/* Proposes a similar key, else the only other map that has this key, else all keys of this map. */
-static void report_unknown_key(const asdic_schema_reader *r, const asdic_table *table,
-                               asdic_yaml_node *node) {
+/* The key of TABLE that NAME, which is none of them, may be a slip of; NULL: none. */
+static const asdic_key *nearest_key(const asdic_table *table, const char *name) {
     const char *names[MAX_TABLE_KEYS] = {0};
     size_t count = 0;
-    int shown = asdic_yaml_key_shown(node);
-    asdic_text home = {0}, list = {0};
-    for (size_t i = 0; i < table->key_count && count < MAX_TABLE_KEYS; i++) {
-        names[count] = table->keys[i].name;
-        asdic_text_format(&list, "%s%s", count ? ", " : "", names[count]);
-        count++;
+    for (; count < table->key_count && count < MAX_TABLE_KEYS; count++) {
+        names[count] = table->keys[count].name;
     }
-    size_t nearest = asdic_words_nearest(node->key, names, count);
-    if (nearest < count) {
-        asdic_yaml_key_problem(r->problems, node, "unknown key '%.*s'; did you mean '%s'?", shown,
-                               node->key, names[nearest]);
-    } else if (find_homes(r->root, node->key, "", &home) == 1) {
-        asdic_yaml_key_problem(r->problems, node, "unknown key '%.*s' here; it belongs in %s",
-                               shown, node->key, home.data ? home.data : "another map");
+    size_t nearest = asdic_words_nearest(name, names, count);
+    return nearest < count ? &table->keys[nearest] : NULL;
+}
+
+/* What to do about a NAME that TABLE does not have: a similar key, else the only other map that has it, else all keys
+ * of this map. To be finished. */
+static asdic_text propose_key(const asdic_table *root, const asdic_table *table, const char *name) {
+    asdic_text home = {0}, text = {0};
+    const asdic_key *nearest = nearest_key(table, name);
+    if (nearest) {
+        asdic_text_format(&text, "; did you mean '%s'?", nearest->name);
+    } else if (find_homes(root, name, "", &home) == 1) {
+        asdic_text_format(&text, " here; it belongs in %s", home.data ? home.data : "another map");
     } else {
-        asdic_yaml_key_problem(r->problems, node, "unknown key '%.*s'; the keys here are %s", shown,
-                               node->key, list.data ? list.data : "none");
+        for (size_t i = 0; i < table->key_count; i++) {
+            asdic_text_format(&text, "%s%s", i ? ", " : "; the keys here are ",
+                              table->keys[i].name);
+        }
     }
-    asdic_text_finish(&list);
     asdic_text_finish(&home);
+    return text;
+}
+
+static void report_unknown_key(const asdic_schema_reader *r, const asdic_table *table,
+                               asdic_yaml_node *node) {
+    asdic_text remedy = propose_key(r->root, table, node->key);
+    asdic_yaml_key_problem(r->problems, node, "unknown key '%.*s'%s", asdic_yaml_key_shown(node),
+                           node->key, remedy.data ? remedy.data : "");
+    asdic_text_finish(&remedy);
+}
+
+/* Whether a child of MAP that TABLE does not know is a slip of KEY: then one error is enough. */
+static bool has_slip(const asdic_table *table, const asdic_yaml_node *map, const asdic_key *key) {
+    for (const asdic_yaml_node *child = map->first; child; child = child->next) {
+        if (!find_key(table, child->key) && nearest_key(table, child->key) == key) {
+            return true;
+        }
+    }
+    return false;
 }
 
 /* "a, b or c" of the keys of TABLE with FLAG, quoted. */
@@ -115,6 +140,7 @@ static void check_alternatives(const asdic_schema_reader *r, const asdic_table *
         } else if (child) {
             first = child;
         }
+        must = must && !has_slip(table, map, &table->keys[i]);
     }
     if (must && flagged > 0 && !first) {
         asdic_yaml_problem(r->problems, map, "none of %s is given; give one of them",
@@ -172,6 +198,13 @@ static void read_points(const asdic_schema_reader *r, const asdic_key *key, size
     }
 }
 
+/* Whether MAP of TABLE needs KEY, which it does not have. */
+static bool is_missing(const asdic_table *table, const asdic_key *key, const asdic_yaml_node *map) {
+    return map && (key->flags & ASDIC_KEY_REQUIRED) &&
+           !(key->unless && asdic_yaml_child(map, key->unless)) &&
+           !(key->instead && asdic_yaml_child(map, key->instead)) && !has_slip(table, map, key);
+}
+
 static void report_missing(const asdic_schema_reader *r, const asdic_key *key,
                            asdic_yaml_node *map) {
     if (key->unit) {
@@ -182,14 +215,10 @@ static void report_missing(const asdic_schema_reader *r, const asdic_key *key,
     }
 }
 
-static void read_key(const asdic_schema_reader *r, const asdic_key *key, asdic_yaml_node *map,
-                     asdic_yaml_node *node, char *out) {
+/* KEY's value NODE, NULL: absent. */
+static void read_key(const asdic_schema_reader *r, const asdic_key *key, asdic_yaml_node *node,
+                     char *out) {
     void *at = out + key->offset;
-    if (!node && map && (key->flags & ASDIC_KEY_REQUIRED) &&
-        !(key->unless && asdic_yaml_child(map, key->unless)) &&
-        !(key->instead && asdic_yaml_child(map, key->instead))) {
-        report_missing(r, key, map);
-    }
     switch (key->type) {
     case ASDIC_KEY_MAP:
         if (node || !(key->flags & (ASDIC_KEY_OPTIONAL | ASDIC_KEY_REQUIRED))) {
@@ -298,10 +327,17 @@ static void read_map(const asdic_schema_reader *r, const asdic_table *table, asd
         bool silent = node->bad && node->kind == ASDIC_YAML_SCALAR; /* reported already */
         asdic_yaml_node *map = silent ? NULL : expand(r, table, node);
         if (!map && !silent) {
-            bool empty = node->kind == ASDIC_YAML_SCALAR && node->length == 0 && !node->quoted;
-            asdic_yaml_problem(r->problems, node, "%s must be a map, that is 'key: value' lines%s",
+            bool is_scalar = node->kind == ASDIC_YAML_SCALAR;
+            bool empty = is_scalar && node->length == 0 && !node->quoted;
+            bool near = is_scalar && table->scalar_word &&
+                        asdic_words_nearest(node->text, &table->scalar_word, 1) == 0;
+            asdic_yaml_problem(r->problems, node,
+                               "%s must be a map, that is 'key: value' lines%s%s%s",
                                node->parent && !node->key ? "each entry" : "this",
-                               empty ? "; leave the key out for its defaults" : "");
+                               empty  ? "; leave the key out for its defaults"
+                               : near ? "; did you mean '"
+                                      : "",
+                               near ? table->scalar_word : "", near ? "'?" : "");
         }
         node = map;
     }
@@ -313,7 +349,11 @@ static void read_map(const asdic_schema_reader *r, const asdic_table *table, asd
     }
     for (size_t i = 0; i < table->key_count; i++) {
         const asdic_key *key = &table->keys[i];
-        read_key(r, key, node, asdic_yaml_child(node, key->name), out);
+        asdic_yaml_node *value = asdic_yaml_child(node, key->name);
+        if (!value && is_missing(table, key, node)) {
+            report_missing(r, key, node);
+        }
+        read_key(r, key, value, out);
     }
     if (node) {
         check_alternatives(r, table, node, ASDIC_KEY_ONE_OF, true);
@@ -325,4 +365,89 @@ void asdic_schema_read(const asdic_table *table, const asdic_table *root, asdic_
                        asdic_arena *arena, asdic_problems *problems, void *out) {
     const asdic_schema_reader r = {.root = root, .arena = arena, .problems = problems};
     read_map(&r, table, node, out);
+}
+
+/* --- a value alone ------------------------------------------------------------------------------- */
+
+/* Makes KEY, which is that of a list, the key of its entry INDEX. */
+static bool enter_list(asdic_key *key, size_t index) {
+    if (key->type == ASDIC_KEY_MAP && key->table->list_key) {
+        *key = *find_key(key->table, key->table->list_key);
+    }
+    bool is_short = key->count > 0 && index >= key->count;
+    if (key->type == ASDIC_KEY_LIST) {
+        key->type = ASDIC_KEY_MAP;
+    } else if (key->type == ASDIC_KEY_POINTS || key->type == ASDIC_KEY_CURVE) {
+        key->count = key->type == ASDIC_KEY_POINTS ? 3 : 2;
+        key->type = ASDIC_KEY_NUMBERS;
+    } else if (key->type == ASDIC_KEY_NUMBERS || key->type == ASDIC_KEY_WORDS) {
+        key->type = key->type == ASDIC_KEY_NUMBERS ? ASDIC_KEY_NUMBER : ASDIC_KEY_WORD;
+        key->count = 0;
+    } else {
+        is_short = true;
+    }
+    return !is_short;
+}
+
+/* Makes KEY that of its child NAME; false after a problem of BLAME. */
+static bool enter_map(const asdic_schema_reader *r, asdic_key *key, const char *name,
+                      asdic_yaml_node *blame) {
+    const asdic_table *table = key->type == ASDIC_KEY_MAP    ? key->table
+                               : key->type == ASDIC_KEY_LIST ? key->map_form
+                                                             : NULL;
+    const asdic_key *found = table ? find_key(table, name) : NULL;
+    if (found) {
+        *key = *found;
+    } else if (table) {
+        asdic_text remedy = propose_key(r->root, table, name);
+        asdic_yaml_problem(r->problems, blame, "unknown key '%.40s'%s", name,
+                           remedy.data ? remedy.data : "");
+        asdic_text_finish(&remedy);
+    } else {
+        asdic_yaml_problem(r->problems, blame, "'%s' has no keys, and so no '%.40s'", key->name,
+                           name);
+    }
+    return found;
+}
+
+bool asdic_schema_find(const asdic_schema_reader *r, const char *path, asdic_yaml_node *blame,
+                       asdic_key *out) {
+    *out = (asdic_key){.name = "scene", .type = ASDIC_KEY_MAP, .table = r->root};
+    for (const char *at = path; *at || at == path;) {
+        if (*at == '[') {
+            char *end;
+            size_t index = strtoul(at + 1, &end, 10);
+            if (end == at + 1 || *end != ']' || !enter_list(out, index)) {
+                asdic_yaml_problem(r->problems, blame, "'%s' has no entry '%.*s'", out->name,
+                                   (int)strcspn(at, "].") + 1, at);
+                return false;
+            }
+            at = end + 1;
+            continue;
+        }
+        at += *at == '.';
+        char name[MOST_KEY_BYTES];
+        size_t length = strcspn(at, ".[");
+        snprintf(name, sizeof name, "%.*s", (int)length, at);
+        if (!enter_map(r, out, name, blame)) {
+            return false;
+        }
+        at += length;
+    }
+    out->offset = out->map_offset = 0;
+    return true;
+}
+
+void asdic_schema_read_alone(const asdic_schema_reader *r, const asdic_key *key,
+                             asdic_yaml_node *node) {
+    size_t size = (key->type == ASDIC_KEY_NUMBERS ? key->count : 2) * sizeof(double);
+    const asdic_table *inside[2] = {key->table, key->map_form};
+    for (size_t i = 0; i < 2; i++) {
+        size = inside[i] && inside[i]->size > size ? inside[i]->size : size;
+    }
+    char *out = asdic_arena_alloc(r->arena, size);
+    r->problems->out_of_memory |= !out;
+    if (out) {
+        read_key(r, key, node, out);
+    }
 }

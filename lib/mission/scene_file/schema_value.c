@@ -43,7 +43,7 @@ static const char *show(const asdic_key *key, const asdic_yaml_node *node, char 
 /* "mud, sand, gravel": the words of KEY. */
 static void list_words(const asdic_key *key, asdic_text *text) {
     for (const asdic_word *word = key->words; word && word->name; word++) {
-        asdic_text_format(text, "%s%s", text->length ? ", " : "", word->name);
+        asdic_text_format(text, "%s%s", word == key->words ? "" : ", ", word->name);
     }
 }
 
@@ -77,6 +77,17 @@ bool asdic_schema_is_near(const asdic_key *key, const asdic_yaml_node *node) {
     return nearest_word(key, node) != NULL;
 }
 
+#define WANTED_SIZE 128
+
+/* "a whole number in [1, 64] deg": what KEY takes but for words. */
+static const char *name_number(const asdic_key *key, char wanted[WANTED_SIZE]) {
+    int digits = asdic_key_digits(key);
+    snprintf(wanted, WANTED_SIZE, "a %snumber in [%.*g, %.*g]%s%s",
+             key->type == ASDIC_KEY_INTEGER ? "whole " : "", digits, key->min, digits, key->max,
+             key->unit ? " " : "", key->unit ? key->unit : "");
+    return wanted;
+}
+
 /* NODE is none of KEY's words, nor a number where that would do. */
 static void report_no_word(const asdic_schema_reader *r, const asdic_key *key,
                            asdic_yaml_node *node) {
@@ -84,9 +95,8 @@ static void report_no_word(const asdic_schema_reader *r, const asdic_key *key,
     asdic_text words = {0};
     list_words(key, &words);
     if (key->type == ASDIC_KEY_NUMBER || key->type == ASDIC_KEY_INTEGER) {
-        asdic_text_format(&words, " or a %snumber in [%.15g, %.15g]%s%s",
-                          key->type == ASDIC_KEY_INTEGER ? "whole " : "", key->min, key->max,
-                          key->unit ? " " : "", key->unit ? key->unit : "");
+        char wanted[WANTED_SIZE];
+        asdic_text_format(&words, " or %s", name_number(key, wanted));
     }
     bool scalar = node->kind == ASDIC_YAML_SCALAR;
     const char *nearest = nearest_word(key, node);
@@ -114,21 +124,22 @@ static void report_type(const asdic_schema_reader *r, const asdic_key *key, asdi
     const char *joint = node->kind != ASDIC_YAML_SCALAR || (node->length == 0 && !node->quoted)
                             ? " must be "
                             : " is not ";
-    asdic_yaml_problem(r->problems, node, "%s%s%s%s%s", show(key, node, shown, sizeof shown), joint,
-                       wanted, key->unit ? " in " : "", key->unit ? key->unit : "");
+    asdic_yaml_problem(r->problems, node, "%s%s%s", show(key, node, shown, sizeof shown), joint,
+                       wanted);
 }
 
-/* Whether NODE can be a number: no list, no map, not empty and not in quotes. */
+/* Whether NODE can be what is WANTED: no list, no map, not empty and not in quotes. IS_FIT: it would do without. */
 static bool is_plain(const asdic_schema_reader *r, const asdic_key *key, asdic_yaml_node *node,
-                     const char *wanted) {
+                     const char *wanted, bool is_fit) {
     char shown[192];
     if (node->kind != ASDIC_YAML_SCALAR || (node->length == 0 && !node->quoted)) {
         report_type(r, key, node, wanted);
         return false;
     }
     if (node->quoted) {
-        asdic_yaml_problem(r->problems, node, "%s is text, not %s; leave out the quotes",
-                           show(key, node, shown, sizeof shown), wanted);
+        asdic_yaml_problem(r->problems, node, "%s is text, not %s%s",
+                           show(key, node, shown, sizeof shown), wanted,
+                           is_fit ? "; leave out the quotes" : "");
         return false;
     }
     return true;
@@ -143,25 +154,33 @@ static void report_range(const asdic_schema_reader *r, const asdic_key *key,
                        key->unit ? " " : "", key->unit ? key->unit : "");
 }
 
+/* WHY says what NODE is not. */
+static void report_number(const asdic_schema_reader *r, const asdic_key *key, asdic_yaml_node *node,
+                          const char *why) {
+    char shown[192], wanted[WANTED_SIZE];
+    asdic_yaml_problem(r->problems, node, "%s %s; give %s", show(key, node, shown, sizeof shown),
+                       why, name_number(key, wanted));
+}
+
 static void read_number(const asdic_schema_reader *r, const asdic_key *key, asdic_yaml_node *node,
                         double *out) {
-    char shown[192];
+    char wanted[WANTED_SIZE];
     double value = NAN;
     const asdic_word *word = asdic_schema_word(key, node);
     if (word) {
         *out = word->value;
         return;
     }
-    if (!key->words && !is_plain(r, key, node, "a number")) {
+    const char *why = node->kind == ASDIC_YAML_SCALAR
+                          ? asdic_number_parse(node->text, node->length, &value)
+                          : "is not a number";
+    if (!key->words && !is_plain(r, key, node, name_number(key, wanted), !why)) {
         return;
     }
-    const char *why = node->kind != ASDIC_YAML_SCALAR || node->quoted
-                          ? "is not a number"
-                          : asdic_number_parse(node->text, node->length, &value);
-    if (key->words && why) {
+    if (key->words && (why || node->quoted)) {
         report_no_word(r, key, node);
     } else if (why) {
-        asdic_yaml_problem(r->problems, node, "%s %s", show(key, node, shown, sizeof shown), why);
+        report_number(r, key, node, why);
     } else if (!(value >= key->min && value <= key->max)) {
         report_range(r, key, node);
     } else {
@@ -171,21 +190,23 @@ static void read_number(const asdic_schema_reader *r, const asdic_key *key, asdi
 
 static void read_integer(const asdic_schema_reader *r, const asdic_key *key, asdic_yaml_node *node,
                          int64_t *out) {
-    char shown[192];
+    char wanted[WANTED_SIZE];
     int64_t value = 0;
     const asdic_word *word = asdic_schema_word(key, node);
     if (word) {
         *out = (int64_t)word->value;
         return;
     }
-    if (!is_plain(r, key, node, "a whole number")) {
+    const char *why = node->kind == ASDIC_YAML_SCALAR
+                          ? asdic_integer_parse(node->text, node->length, &value)
+                          : "is not a whole number";
+    if (!is_plain(r, key, node, name_number(key, wanted), !why)) {
         return;
     }
-    const char *why = asdic_integer_parse(node->text, node->length, &value);
     if (why && key->words) {
         report_no_word(r, key, node);
     } else if (why) {
-        asdic_yaml_problem(r->problems, node, "%s %s", show(key, node, shown, sizeof shown), why);
+        report_number(r, key, node, why);
     } else if (!((double)value >= key->min && (double)value <= key->max)) {
         report_range(r, key, node);
     } else {
@@ -193,33 +214,46 @@ static void read_integer(const asdic_schema_reader *r, const asdic_key *key, asd
     }
 }
 
-static void read_bool(const asdic_schema_reader *r, const asdic_key *key, asdic_yaml_node *node,
-                      bool *out) {
+/* The value of a boolean's TEXT; -1: it is none. */
+static int parse_bool(const char *text, size_t length) {
     /* The booleans of YAML 1.1. Several look like words: off, no, n. */
     static const char *const words[2][11] = {
         {"false", "False", "FALSE", "no", "No", "NO", "off", "Off", "OFF", "n", "N"},
         {"true", "True", "TRUE", "yes", "Yes", "YES", "on", "On", "ON", "y", "Y"},
     };
-    if (!is_plain(r, key, node, "true or false")) {
-        return;
-    }
-    for (size_t value = 0; value < 2; value++) {
-        for (size_t i = 0; i < 11; i++) {
-            if (strcmp(node->text, words[value][i]) != 0 || strlen(node->text) != node->length) {
-                continue;
-            }
-            *out = value != 0;
-            return;
+    for (int i = 0; text && strlen(text) == length && i < 22; i++) {
+        if (strcmp(text, words[i / 11][i % 11]) == 0) {
+            return i / 11;
         }
     }
-    report_type(r, key, node, "true or false");
+    return -1;
+}
+
+static void read_bool(const asdic_schema_reader *r, const asdic_key *key, asdic_yaml_node *node,
+                      bool *out) {
+    int value = parse_bool(node->text, node->length);
+    if (!is_plain(r, key, node, "true or false", value >= 0)) {
+        return;
+    }
+    if (value < 0) {
+        report_type(r, key, node, "true or false");
+    } else {
+        *out = value > 0;
+    }
 }
 
 static void read_numbers(const asdic_schema_reader *r, const asdic_key *key, asdic_yaml_node *node,
                          double *out) {
-    if (node->kind != ASDIC_YAML_LIST || node->count != key->count) {
-        asdic_yaml_problem(r->problems, node, "'%s' must be a list of %zu numbers%s%s", key->name,
-                           key->count, key->unit ? " in " : "", key->unit ? key->unit : "");
+    char wanted[WANTED_SIZE];
+    snprintf(wanted, sizeof wanted, "a list of %zu numbers%s%s", key->count,
+             key->unit ? " in " : "", key->unit ? key->unit : "");
+    if (node->kind != ASDIC_YAML_LIST) {
+        report_type(r, key, node, wanted);
+        return;
+    }
+    if (node->count != key->count) {
+        asdic_yaml_problem(r->problems, node, "'%s' has %zu entr%s; it must be %s", key->name,
+                           node->count, node->count == 1 ? "y" : "ies", wanted);
         return;
     }
     for (asdic_yaml_node *item = node->first; item; item = item->next) {
@@ -233,9 +267,9 @@ static void read_words(const asdic_schema_reader *r, const asdic_key *key, asdic
                        unsigned *out) {
     if (node->kind != ASDIC_YAML_LIST) {
         asdic_text words = {0};
+        asdic_text_add(&words, "a list of ");
         list_words(key, &words);
-        asdic_yaml_problem(r->problems, node, "'%s' must be a list of %s", key->name,
-                           words.data ? words.data : "words");
+        report_type(r, key, node, words.data ? words.data : "a list of words");
         asdic_text_finish(&words);
         return;
     }
@@ -253,8 +287,7 @@ static void read_string(const asdic_schema_reader *r, const asdic_key *key, asdi
     char shown[192];
     bool is_name = key->type == ASDIC_KEY_NAME;
     if (node->kind != ASDIC_YAML_SCALAR || node->length == 0) {
-        asdic_yaml_problem(r->problems, node, "'%s' must be %s", key->name,
-                           is_name ? "a name" : "the name of a file");
+        report_type(r, key, node, is_name ? "a name" : "the name of a file");
     } else if (strlen(node->text) != node->length) {
         asdic_yaml_problem(r->problems, node, "'%s' holds a zero character", key->name);
     } else if (is_name && (strspn(node->text, fit) != node->length || node->text[0] == '.' ||

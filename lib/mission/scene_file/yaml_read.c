@@ -117,6 +117,16 @@ static asdic_yaml_node *new_node(yaml_reader *r, const yaml_event_t *event) {
     return node;
 }
 
+/* YAML's words for no value. */
+static bool is_null(const asdic_yaml_node *node) {
+    static const char *const words[] = {"~", "null", "Null", "NULL"};
+    size_t i = 0;
+    while (i < 4 && strcmp(node->text, words[i]) != 0) {
+        i++;
+    }
+    return i < 4 && !node->quoted;
+}
+
 /* Refuses anchors, aliases and tags: they hide errors, and a scene needs none. */
 static void refuse_decoration(yaml_reader *r, const yaml_event_t *event, asdic_yaml_node *node) {
     const yaml_char_t *anchor = NULL, *tag = NULL;
@@ -176,6 +186,10 @@ static asdic_yaml_node *read_node(yaml_reader *r, const yaml_event_t *event,
     bool is_key = parent && parent->kind == ASDIC_YAML_MAP && !key;
     refuse_decoration(r, event, is_key ? parent : node);
     if (node->kind == ASDIC_YAML_SCALAR) {
+        if (!is_key && is_null(node)) {
+            node->text = "";
+            node->length = 0;
+        }
         return node;
     }
     if (depth >= MAX_DEPTH) {
