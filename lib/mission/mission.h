@@ -81,6 +81,12 @@ asdic_status asdic_mission_load_like(asdic_context *ctx, const char *path, const
 /* The bottom where it is a mesh or grid: the first object, which has no name. Else NULL. */
 const asdic_mission_object *asdic_mission_bottom_mesh(const asdic_mission *mission);
 
+/* Whether the scene file at PATH with SETTINGS can be what run DRAW->run draws: by its text, no other file than those it
+ * includes is opened. IS_FIRST: also whether its draws can be those of any run. */
+asdic_status asdic_mission_check_run(asdic_context *ctx, const char *path,
+                                     const asdic_setting *settings, size_t count,
+                                     const asdic_draw *draw, bool is_first);
+
 /* The mission of the scene file at PATH, if that, with what it includes, says what the mission with
  * HASH did; NULL if it is gone, or says something else. */
 asdic_status asdic_mission_load_same(asdic_context *ctx, const char *path, const char *hash,

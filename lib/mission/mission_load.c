@@ -133,6 +133,10 @@ static asdic_status read_trial(mission_builder *b, asdic_yaml_node *root, file_t
     asdic_text text = {0};
     if (node) {
         asdic_scene_draw_check(file, b->arena, b->problems);
+        if (b->tells) {
+            asdic_scene_draw_check_values(file, NULL, b->arena, b->problems);
+        }
+        b->draw = node->bad ? NULL : b->draw; /* no run is at fault */
         asdic_mission_take_out(root, node);
         asdic_yaml_print(node, &text);
     }
@@ -270,6 +274,9 @@ static asdic_status load(mission_builder *b, asdic_scene_file *file) {
     if (!asdic_scene_file_take(root, b->arena, b->problems, file)) {
         return asdic_fail_memory(b->ctx, "the scene file's content");
     }
+    if (b->extent == MISSION_CHECKED) {
+        return asdic_problems_report(b->problems, b->ctx);
+    }
     TRY(keep_drawn(b, &drawn));
     if (b->many && root && b->problems->total == 0) {
         TRY(find_base(b, root));
@@ -290,8 +297,10 @@ static asdic_status load(mission_builder *b, asdic_scene_file *file) {
 static asdic_status name_run(asdic_context *ctx, const asdic_draw *draw, asdic_status status) {
     char *sentence = status == ASDIC_ERROR_INPUT ? strdup(asdic_context_error(ctx)) : NULL;
     if (sentence) {
-        asdic_fail(ctx, status, "%s, as drawn for run %llu with seed %llu", sentence,
-                   (unsigned long long)draw->run, (unsigned long long)draw->seed);
+        asdic_fail(ctx, status,
+                   "%s, as drawn for run %llu with seed %llu; keep what is drawn to what a scene "
+                   "may have, tails of 'normal' by 'within'",
+                   sentence, (unsigned long long)draw->run, (unsigned long long)draw->seed);
         free(sentence);
     }
     return status;
@@ -335,7 +344,7 @@ static asdic_status load_file(asdic_context *ctx, const char *path, const missio
         asdic_mission_destroy(&m);
     }
     *out = m;
-    return status && how->draw ? name_run(ctx, how->draw, status) : status;
+    return status && builder.draw ? name_run(ctx, builder.draw, status) : status;
 }
 
 asdic_status asdic_mission_load(asdic_context *ctx, const char *path, asdic_mission **out) {
@@ -373,6 +382,20 @@ asdic_status asdic_mission_load_run(asdic_context *ctx, const char *path,
     const mission_builder how = {
         .extent = MISSION_WHOLE, .settings = settings, .setting_count = count, .draw = draw};
     return load_file(ctx, path, &how, out);
+}
+
+asdic_status asdic_mission_check_run(asdic_context *ctx, const char *path,
+                                     const asdic_setting *settings, size_t count,
+                                     const asdic_draw *draw, bool is_first) {
+    asdic_mission *mission = NULL;
+    const mission_builder how = {.extent = MISSION_CHECKED,
+                                 .settings = settings,
+                                 .setting_count = count,
+                                 .draw = draw,
+                                 .tells = is_first};
+    asdic_status status = load_file(ctx, path, &how, &mission);
+    asdic_mission_destroy(&mission);
+    return status;
 }
 
 asdic_status asdic_mission_load_like(asdic_context *ctx, const char *path, const asdic_draw *draw,

@@ -613,7 +613,8 @@ asdic_status asdic_trial_fly(asdic_context *ctx, asdic_device **devices, size_t 
     bool is_ideal = false;
     TRY(check(ctx, &o));
     fleet f = {.ctx = ctx, .options = &o, .whole = &o, .lock = PTHREAD_MUTEX_INITIALIZER};
-    asdic_status status = describe(ctx, &o, &facts, &header, &is_ideal, f.scene_hash);
+    asdic_status status = asdic_trial_check_draws(ctx, &o);
+    status = status ? status : describe(ctx, &o, &facts, &header, &is_ideal, f.scene_hash);
     if (!status && !is_ideal && !asdic_devices_are_there(devices, device_count)) {
         status = asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "a trial that pings needs a device");
     }

@@ -67,13 +67,35 @@ static asdic_status check_vary(asdic_context *ctx, const asdic_trial_options *o)
                : ASDIC_OK;
 }
 
-/* What is drawn would not be what the pings have. */
-static asdic_status check_drawn(asdic_context *ctx, const asdic_mission *m) {
-    for (size_t i = 0; asdic_mission_drawn(m, i).key; i++) {
-        if (strcmp(asdic_mission_drawn(m, i).key, SEED) == 0) {
-            return asdic_fail(ctx, ASDIC_ERROR_INPUT,
-                              "'%s' cannot be drawn: each run's seed comes of the trial's (--seed)",
-                              SEED);
+/* What the scene of a run has in place of what its file says. */
+typedef struct run_settings {
+    asdic_setting items[MOST_SETTINGS];
+    size_t count;
+    char seed[ASDIC_DIGITS_SIZE], rays[ASDIC_DIGITS_SIZE];
+} run_settings;
+
+static void find_settings(const asdic_trial_options *o, uint64_t run, size_t variant,
+                          run_settings *s) {
+    s->count = 0;
+    if (o->variants.key) { /* first: it may be a map that holds the others */
+        s->items[s->count++] = (asdic_setting){o->variants.key, o->variants.values[variant]};
+    }
+    asdic_digits_natural(s->seed, ping_seed(o->seed, run));
+    s->items[s->count++] = (asdic_setting){SEED, s->seed};
+    if (o->rays > 0) {
+        asdic_digits_natural(s->rays, o->rays);
+        s->items[s->count++] = (asdic_setting){RAYS, s->rays};
+    }
+}
+
+asdic_status asdic_trial_check_draws(asdic_context *ctx, const asdic_trial_options *o) {
+    TRY(check_vary(ctx, o));
+    for (uint64_t run = o->first; run < o->first + o->count; run++) {
+        const asdic_draw draw = {o->seed, run};
+        for (size_t v = 0; v < o->variants.count; v++) {
+            run_settings s;
+            find_settings(o, run, v, &s);
+            TRY(asdic_mission_check_run(ctx, o->scene, s.items, s.count, &draw, run == o->first));
         }
     }
     return ASDIC_OK;
@@ -81,22 +103,11 @@ static asdic_status check_drawn(asdic_context *ctx, const asdic_mission *m) {
 
 asdic_status asdic_trial_load(asdic_context *ctx, const asdic_trial_options *o, uint64_t run,
                               size_t variant, asdic_mission *donor, asdic_mission **out) {
-    char seed[ASDIC_DIGITS_SIZE], rays[ASDIC_DIGITS_SIZE];
     const asdic_draw draw = {o->seed, run};
-    asdic_setting settings[MOST_SETTINGS];
-    size_t count = 0;
+    run_settings s;
     TRY(check_vary(ctx, o));
-    if (o->variants.key) { /* first: it may be a map that holds the others */
-        settings[count++] = (asdic_setting){o->variants.key, o->variants.values[variant]};
-    }
-    asdic_digits_natural(seed, ping_seed(o->seed, run));
-    settings[count++] = (asdic_setting){SEED, seed};
-    if (o->rays > 0) {
-        asdic_digits_natural(rays, o->rays);
-        settings[count++] = (asdic_setting){RAYS, rays};
-    }
-    TRY(asdic_mission_load_trial(ctx, o->scene, settings, count, &draw, donor, out));
-    TRY(check_drawn(ctx, *out));
+    find_settings(o, run, variant, &s);
+    TRY(asdic_mission_load_trial(ctx, o->scene, s.items, s.count, &draw, donor, out));
     if (o->rule && (*out)->trial.is_ideal) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
                           "'trial: {ideal: ...}' makes no pings that a rule of another program "

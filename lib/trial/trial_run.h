@@ -21,6 +21,9 @@ typedef struct asdic_trial_job {
 asdic_status asdic_trial_run_one(asdic_eye *eye, const asdic_trial_job *job, asdic_trial_run *out,
                                  char why[ASDIC_TRIAL_WHY]);
 
+/* Whether all runs of OPTIONS can be drawn, so that a bad one does not end the trial after others were flown. */
+asdic_status asdic_trial_check_draws(asdic_context *ctx, const asdic_trial_options *options);
+
 /* The mission of RUN as VARIANT changes it; DONOR, of another run, gives away what is the same. */
 asdic_status asdic_trial_load(asdic_context *ctx, const asdic_trial_options *options, uint64_t run,
                               size_t variant, asdic_mission *donor, asdic_mission **out);

@@ -148,6 +148,20 @@ def test_places_are_judged_beside_other_errors():
                 tap.contains(err, part)
 
 
+def test_draws_are_judged():
+    """By the scene's own limits, at the line of the draw."""
+    draws = MINIMAL + "trial:\n  draws:\n"
+    for draw, words in (("{key: enviroment.ph, uniform: [7, 8]}", "unknown key 'enviroment'; did you mean 'environment'?"),
+                        ("{key: 3, uniform: [7, 8]}", "unknown key '3'; the keys here are version, "),
+                        ("{key: 'objects[5].position_m[0]', uniform: [7, 8]}", "there is no 'objects[5]' here"),
+                        ("{key: bottom.type, choice: [mud, sandd]}", "'type' = sandd is not one of mud, sand"),
+                        ("{key: environment.ph, uniform: [7.5, 9]}", "'ph' = 9 is out of range [7, 8.5]"),
+                        ("{key: sampling.seed, choice: [1, 2]}", "'sampling.seed' cannot be drawn")):
+        done = asdic("check", "-", stdin=f"{draws}    - {draw}\n").check(3)
+        tap.contains(done.err, "stdin:11:")
+        tap.contains(done.err, words)
+
+
 def test_all_files_are_looked_at():
     with folder(a_yaml="a: 1", b_obj=TETRAHEDRON, c_yaml=MINIMAL) as at:
         done = asdic("check", "a.yaml", "b.obj", "missing.yaml", "c.yaml", "--json", cwd=at)

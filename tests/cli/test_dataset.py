@@ -203,6 +203,18 @@ def test_frames_of_no_set_are_made_again():
         tap.equal(files(folder / "e") == other, True, "frames in place of those of a number that nobody made")
 
 
+def test_no_frame_is_made_of_a_set_that_cannot_be_drawn():
+    """A misspelt key, or the tail of a later frame, is told before the first."""
+    program.need_device()
+    with Folder() as folder:
+        for draw, words in (("{key: misson.pose.yaw_deg, uniform: [-5, 5]}", "unknown key 'misson'; did you mean 'mission'?"),
+                            ("{key: environment.ph, normal: [7.8, 0.2]}", " with seed 1; keep what is drawn to what a")):
+            path = scene(folder, a=("{key: mission.pose.yaw_deg, uniform: [-5, 5]}", draw))
+            done = asdic("dataset", path, "-n", 3000, "-o", folder / "d").check(code=3)
+            tap.contains(done.err, words)
+            tap.equal(os.path.exists(folder / "d"), False, "made before the error")
+
+
 def test_frames_of_other_depths_are_the_same_in_parts():
     """Sound is faster at depth: bins, automatic rays, speckle and one layer's fit hang on the sonar's depth, and frames
     of other depths share a scene."""
@@ -740,7 +752,7 @@ def test_what_cannot_be_is_said_once():
         says(asdic("dataset", coherent, "-n", "2", "-o", folder / "d"), 3, "leave 'coherent' out of 'sampling'")
         bad = scene(folder, a=("uniform: [-5, 5]", "uniform: [-500, 500]"))
         done = asdic("dataset", bad, "-n", "3", "-o", folder / "d")
-        says(done, 3, "drawn for run")
+        says(done, 3, "'yaw_deg' = -500 is out of range [-360, 360] deg  [trial.draws[2]]")
         nameless = scene(folder, a=("name: ball, ", ""))
         says(asdic("dataset", nameless, "-n", "2", "-o", folder / "f"), 3, "name")
         fan = "receivers: {fan: {count: 48, sector_deg: 60, length_h_m: 0.1, length_v_m: 0.01}}"

@@ -431,10 +431,12 @@ def test_designs_of_whole_maps_share_their_runs():
         tap.equal((len(seeds), len({seed for _, seed in seeds})), (2, 2), f"{sorted(seeds)}")
         asdic("trial", path, "--runs", 1, "--vary", f"objects=[],{thin}", "-o", folder / "out", "-f").check(code=0)
         tap.equal([row["objects[0].position_m[1]"] == "" for row in rows(folder)], [True, False], "drawn where there is one")
-        for key in ("objects[0].postion_m[1]", "objects[1].position_m[1]", "objects[0].position_m[7]"):
+        for key, what in (("objects[0].postion_m[1]", "unknown key 'postion_m'; did you mean 'position_m'?"),
+                          ("objects[1].position_m[1]", "cannot set 'objects[1].position_m[1]'"),
+                          ("objects[0].position_m[7]", "'position_m' has no entry '[7]'")):
             folder.write("wall.yaml", folder.read("wall.yaml").replace("objects[0].position_m[1]", key))
             done = asdic("trial", path, "--runs", 1, "--vary", f"objects={thin},{thick}", "-o", folder / "no").check(code=3)
-            tap.contains(done.err, f"cannot set '{key}'")
+            tap.contains(done.err, what)
             folder.write("wall.yaml", folder.read("wall.yaml").replace(key, "objects[0].position_m[1]"))
 
 
@@ -597,17 +599,18 @@ def test_scenes_and_options_that_cannot_be():
                3, "a trial flies along 'mission: {waypoints: ...}'")
         refuse(ideal + "  draws: [{key: environment.salnity_ppt, uniform: [1, 2]}]\n", 3,
                "did you mean 'salinity_ppt'")
-        refuse(ideal + "  draws: [{key: environment.salinity_ppt, uniform: [50, 60]}]\n", 3,
-               "as drawn for run 0 with seed 1")
-        # Of a later run: it is named, and the runs before it are kept.
         refuse(ideal + "  draws: [{key: environment.salinity_ppt, uniform: [0, 60]}]\n", 3,
-               "with seed 1", "--runs", 40, "--workers", 1, "-f")
-        with open(folder / "bad/trial.part.csv", encoding="utf-8") as file:
-            kept = list(csv.DictReader(file))
-        assert 0 < len(kept) < 40 and all(float(row["environment.salinity_ppt"]) <= 45 for row in kept)
-        done = asdic("trial", folder / "bad.yaml", "--runs", 40, "-o", folder / "bad", "--resume").check(code=3)
-        tap.contains(done.err, f"as drawn for run {len(kept)} with seed 1")
+               f"'salinity_ppt' = 60 is out of range [0, 45] ppt  [trial.draws[0]]\nerror: {folder / 'bad.yaml'}: 1 error\n")
         shutil.rmtree(folder / "bad")
+        # Tails of a later run, also by what keys say together: it is named before any run is flown.
+        for key, mean, sd, words in (("environment.salinity_ppt", 30, 6, "is out of range [0, 45] ppt  [environment.sal"),
+                                     ("mission.waypoints.points_m[0][2]", 5, 2, "m above the sea surface")):
+            draws = f"  draws: [{{key: '{key}', normal: [{mean}, {sd}]}}]\n"
+            asdic("trial", folder.write("few.yaml", ideal + draws), "--runs", 2, "-o", folder / "few", "-f").check(code=0)
+            refuse(ideal + draws, 3, words, "--runs", 1000)
+            refuse(ideal + draws, 3, " with seed 1; keep what is drawn to what a scene may have, tails of 'normal' by "
+                   "'within'", "--runs", 1000)
+            tap.equal(os.path.exists(folder / "bad"), False, "flown before the error")
         refuse(ideal + "  draws: [{key: 'objects[4].position_m', choice: [[1, 2, 3]]}]\n", 3,
                "there is no '[4]' here")
         refuse(ideal + "  draws: [{key: 'mission.waypoints.current_mps[1]', uniform: [0, 1]}]\n", 3,

@@ -216,19 +216,49 @@ static void test_nested_and_none(void **state) {
 static void test_impossible(void **state) {
     (void)state;
     static const char *const wrong[][2] = {
-        {"{key: a, uniform: [2, 1]}", "'uniform' = [2, 1] is empty; give the lower bound first"},
-        {"{key: a, normal: [0, 0]}", "a standard deviation of 0 is not above 0"},
-        {"{key: a, normal: [0, 1], within: [9, 10]}", "'within' = [9, 10] leaves 1.1e-19 of the"},
-        {"{key: a, normal: [0, 1], within: [2, 1]}", "'within' = [2, 1] is empty; give the lower"},
-        {"{key: a, uniform: [0, 1], within: [0, 1]}", "'within' cuts a 'normal' draw"},
-        {"{key: a, choice: []}", "'choice' must be a list of values"},
-        {"{key: a, choice: [1, {b: {uniform: [2, 1]}}]}", "'uniform' = [2, 1] is empty"},
-        {"{key: a, uniform: [0, 1], normal: [0, 1]}", "exclude each other"},
-        {"{key: a}", "none of 'uniform', 'normal', 'choice' is given"},
+        {"{key: mission.pose.yaw_deg, uniform: [2, 1]}",
+         "'uniform' = [2, 1] is empty; give the lower bound first"},
+        {"{key: mission.pose.yaw_deg, normal: [0, 0]}", "a standard deviation of 0 is not above 0"},
+        {"{key: mission.pose.yaw_deg, normal: [0, 1], within: [9, 10]}",
+         "'within' = [9, 10] leaves 1.1e-19 of the"},
+        {"{key: mission.pose.yaw_deg, normal: [0, 1], within: [2, 1]}",
+         "'within' = [2, 1] is empty; give the lower"},
+        {"{key: mission.pose.yaw_deg, uniform: [0, 1], within: [0, 1]}",
+         "'within' cuts a 'normal' draw"},
+        {"{key: mission.pose.yaw_deg, choice: []}", "'choice' must be a list of values"},
+        {"{key: mission.pose.yaw_deg, choice: [1, {uniform: [2, 1]}]}",
+         "'uniform' = [2, 1] is empty"},
+        {"{key: mission.pose.yaw_deg, uniform: [0, 1], normal: [0, 1]}", "exclude each other"},
+        {"{key: mission.pose.yaw_deg}", "none of 'uniform', 'normal', 'choice' is given"},
         {"{uniform: [0, 1]}", "missing key 'key'"},
         {"{key: [1], uniform: [0, 1]}", "'key' must be the path of a key"},
+        {"{key: sampling.seed, choice: [7, 8]}", "'sampling.seed' cannot be drawn: each run's"},
+        {"{key: enviroment.ph, uniform: [7, 8]}",
+         "11:13: error: unknown key 'enviroment'; did you mean 'environment'?"},
+        {"{key: environment.pH2, uniform: [7, 8]}", "unknown key 'pH2'; did you mean 'ph'?"},
+        {"{key: 3, uniform: [7, 8]}", "unknown key '3'; the keys here are version"},
+        {"{key: bottom.ph, uniform: [7, 8]}", "unknown key 'ph' here; it belongs in environment"},
+        {"{key: environment.ph.x, uniform: [7, 8]}", "'ph' has no keys, and so no 'x'"},
+        {"{key: 'environment.ph[0]', uniform: [7, 8]}", "'ph' has no entry '[0]'"},
+        {"{key: 'mission.pose.position_m[3]', uniform: [7, 8]}", "'position_m' has no entry '[3]'"},
+        {"{key: 'objects[5].position_m[0]', uniform: [7, 8]}", "there is no 'objects[5]' here"},
+        {"{key: 'sonar.receivers[1].yaw_deg', uniform: [7, 8]}", "there is no '[1]' here"},
+        {"{key: environment.ph, uniform: [7.5, 9]}",
+         "'ph' = 9 is out of range [7, 8.5]  [trial.draws[0]]"},
+        {"{key: environment.ph, uniform: [9, 10]}", "'ph' = 9 is out of range [7, 8.5]"},
+        {"{key: environment.ph, normal: [8, 2], within: [7, 9]}", "'ph' = 9 is out of range"},
+        {"{key: environment.ph, normal: [9, 1]}", "'ph' = 9 is out of range [7, 8.5]"},
+        {"{key: bottom.type, choice: [mud, sandd]}",
+         "'type' = sandd is not one of mud, sand, gravel, rock or a number in [1, 4]; did you"},
+        {"{key: bottom.type, choice: [mud, {uniform: [1, 5]}]}", "'type' = 5 is out of range"},
+        {"{key: sampling.rays, uniform: [100, 200]}",
+         "'rays' is a whole number, of which a 'choice' can be given"},
+        {"{key: mission.pose, choice: [{position_m: [0, 0, {uniform: [3, 1e8]}]}]}",
+         "'position_m' = 100000000 is out of range"},
+        {"{key: mission.pose, choice: [{position_m: [0, 0, 5], jaw_deg: 3}]}",
+         "unknown key 'jaw_deg'; did you mean 'yaw_deg'?"},
         {"{key: trial.draws, uniform: [0, 1]}", "a trial cannot draw its own 'trial.draws'"},
-        {"{key: a, unifrom: [0, 1], choice: [1]}", "did you mean 'uniform'?"},
+        {"{key: mission.pose.yaw_deg, unifrom: [0, 1], choice: [1]}", "did you mean 'uniform'?"},
     };
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
         asdic_arena arena = {0};
@@ -239,6 +269,43 @@ static void test_impossible(void **state) {
         if (strncmp(errors, "scene.yaml:11:", 14) != 0 || !strstr(errors, wrong[i][1]) ||
             strchr(errors, '\n')[1]) {
             fail_msg("%s: %s", wrong[i][0], errors);
+        }
+        free(errors);
+        asdic_text_finish(&text);
+        asdic_arena_finish(&arena);
+    }
+}
+
+/* Keys that the scene does not have yet, entries that other draws bring or take out, values that a part drawn beside
+ * them completes, tails whose middle may be, words and numbers. */
+static void test_possible(void **state) {
+    (void)state;
+    static const char *const good[] = {
+        "{key: environment.wind_speed_kn, uniform: [0, 60]}",
+        "{key: environment.wind_speed_kn, normal: [30, 15]}",
+        "{key: environment.particle_density, choice: [low, -80]}",
+        "{key: sampling.rays, choice: [100, auto]}",
+        "{key: mission, choice: [{pose: {position_m: [0, 0, 5]}}, {waypoints: [[0, 0, 5], [9, 0, "
+        "5]]}]}",
+        "{key: mission.pose.position_m, choice: [[0, 0, 5], [{uniform: [0, 1]}, 1, 5]]}",
+        "{key: objects, choice: [[], [{name: a, point: -20, position_m: [9, 0, 5]}]]}\n"
+        "    - {key: 'objects[0].position_m[0]', uniform: [9, 20]}",
+        "{key: 'sonar.receivers[0]', choice: [{name: a}, none]}\n"
+        "    - {key: 'sonar.receivers[0].yaw_deg', uniform: [0, 9]}",
+        "{key: surface, choice: [{law: course}]}\n    - {key: bottom, choice: [none, {depth_m: "
+        "9}]}",
+        "{key: sonar.file, choice: [a.yaml]}\n    - {key: 'sonar.receivers[7].yaw_deg', choice: "
+        "[1]}",
+        "{key: environment.sound_speed_profile, choice: [a.csv]}",
+    };
+    for (size_t i = 0; i < sizeof good / sizeof *good; i++) {
+        asdic_arena arena = {0};
+        asdic_scene_file file;
+        asdic_text text = {0};
+        asdic_text_format(&text, "%strial:\n  draws:\n    - %s\n", MINIMAL, good[i]);
+        char *errors = read_errors(text.data, text.length, &arena, &file);
+        if (errors[0]) {
+            fail_msg("%s: %s", good[i], errors);
         }
         free(errors);
         asdic_text_finish(&text);
@@ -300,6 +367,7 @@ int main(void) {
         cmocka_unit_test(entries_and_keys_draw_apart),
         cmocka_unit_test(test_nested_and_none),
         cmocka_unit_test(test_impossible),
+        cmocka_unit_test(test_possible),
         cmocka_unit_test(test_mission_of_a_run),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

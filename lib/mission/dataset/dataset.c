@@ -514,8 +514,18 @@ static asdic_status check_options(asdic_context *ctx, asdic_dataset_options *o) 
     return asdic_folder_check_mode(ctx, o->force, o->resume);
 }
 
+/* Of a frame that cannot be drawn the set should not end after hours. */
+static asdic_status check_draws(const dataset *d) {
+    for (size_t index = d->options.first; index < d->options.end; index++) {
+        const asdic_draw draw = {d->options.seed, index};
+        TRY(asdic_mission_check_run(d->ctx, d->scene, NULL, 0, &draw, index == d->options.first));
+    }
+    return ASDIC_OK;
+}
+
 static asdic_status make_set(dataset *d) {
     TRY(asdic_dataset_check(d->ctx, &d->options));
+    TRY(check_draws(d));
     TRY(look_at_first(d));
     TRY(asdic_dataset_enter(d->ctx, &d->options, &d->folder));
     d->goes_on = asdic_dataset_is_in(d->options.folder);

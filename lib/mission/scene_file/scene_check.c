@@ -515,4 +515,5 @@ void asdic_scene_file_check(asdic_scene_file *file, asdic_arena *arena, asdic_pr
     check_pose(file, problems);
     check_waypoints(file, problems);
     asdic_scene_draw_check(&file->trial, arena, problems);
+    asdic_scene_draw_check_values(&file->trial, file->node, arena, problems);
 }

@@ -27,7 +27,9 @@
 
 typedef struct drawer {
     asdic_schema_reader reader;
-    const asdic_draw *draw;
+    const asdic_draw *draw; /* NULL: what may be drawn is looked at: */
+    size_t entry;           /* of each choice this, at most the last; */
+    bool is_high;           /* and the upper end of numbers, or the lower */
 } drawer;
 
 static bool is_draw(const asdic_yaml_node *node) {
@@ -90,11 +92,16 @@ static double normal_between(double low, double high, double u) {
 static void draw_number(const drawer *d, const file_draw *file, uint64_t hash,
                         asdic_yaml_node *out) {
     char digits[ASDIC_DIGITS_SIZE];
-    double u = uniform_of(d, hash), value;
-    if (asdic_yaml_child(file->node, "uniform")) {
+    double u = d->draw ? uniform_of(d, hash) : 0.0, value;
+    bool is_uniform = asdic_yaml_child(file->node, "uniform");
+    bool is_cut = asdic_yaml_child(file->node, "within");
+    if (!d->draw) { /* of tails without an end the middle */
+        value = is_uniform ? file->uniform[d->is_high]
+                : is_cut   ? file->within[d->is_high]
+                           : file->normal[0];
+    } else if (is_uniform) {
         value = file->uniform[0] + u * (file->uniform[1] - file->uniform[0]);
     } else {
-        bool is_cut = asdic_yaml_child(file->node, "within");
         double mean = file->normal[0], sd = file->normal[1];
         value = mean + sd * normal_between(is_cut ? (file->within[0] - mean) / sd : -INFINITY,
                                            is_cut ? (file->within[1] - mean) / sd : INFINITY, u);
@@ -118,7 +125,10 @@ static void take_draw(const drawer *d, const file_draw *file, uint64_t hash, asd
         draw_number(d, file, hash, out);
         return;
     }
-    size_t index = (size_t)(uniform_of(d, hash) * (double)file->choice->count);
+    size_t count = file->choice->count, last = count - 1;
+    size_t index = d->draw           ? (size_t)(uniform_of(d, hash) * (double)count)
+                   : d->entry < last ? d->entry
+                                     : last;
     asdic_yaml_node *chosen = file->choice->first;
     while (index-- > 0) {
         chosen = chosen->next;
@@ -319,7 +329,7 @@ static void draw_all(const drawer *d, asdic_yaml_node *root, const file_trial *t
 void asdic_scene_draw(asdic_yaml_node *root, const file_trial *trial, const asdic_draw *draw,
                       asdic_scene_turn turn, asdic_arena *arena, asdic_problems *problems,
                       asdic_drawn *drawn) {
-    const drawer d = {{asdic_scene_table(), arena, problems}, draw};
+    const drawer d = {.reader = {asdic_scene_table(), arena, problems}, .draw = draw};
     if (asdic_scene_node_good(trial->node)) {
         draw_all(&d, root, trial, turn, drawn);
     }
@@ -481,6 +491,10 @@ static void check_key(const file_draw *draw, asdic_problems *problems) {
                            "'key' must be the path of a key, as objects[0].position_m");
     } else if (asdic_scene_key_turn(key->text) == ASDIC_TURN_TRIAL) {
         asdic_yaml_problem(problems, key, "a trial cannot draw its own '%s'", key->text);
+    } else if (strcmp(key->text, "sampling.seed") == 0) {
+        asdic_yaml_problem(problems, key,
+                           "'sampling.seed' cannot be drawn: each run's seed comes of the trial's "
+                           "(--seed)");
     }
 }
 
@@ -520,5 +534,96 @@ void asdic_scene_draw_check(const file_trial *trial, asdic_arena *arena, asdic_p
         check_key(&draws[i], problems);
         check_order(draws, i, problems);
         check_draw(&draws[i], &r);
+    }
+}
+
+/* --- what is drawn, by the scene's tables -------------------------------------------------------- */
+
+/* Whether KEY's value, or KEY itself, hangs on another of the DRAWS than I: that draws a part of it, or what it is in,
+ * or the file that the sonar is in. */
+static bool hangs(const asdic_list *draws, size_t i, bool is_part) {
+    const file_draw *items = draws->items;
+    const char *key = items[i].key->text;
+    for (size_t k = 0; k < draws->count; k++) {
+        const char *other = is_path(items[k].key) ? items[k].key->text : "";
+        if (k != i && (is_part ? asdic_scene_key_is_in(other, key)
+                               : asdic_scene_key_is_in(key, other) ||
+                                     (strcmp(other, "sonar.file") == 0 &&
+                                      asdic_scene_key_is_in(key, "sonar")))) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* The most entries that a choice in NODE has. */
+static size_t widest_choice(const asdic_yaml_node *node) {
+    const asdic_yaml_node *choice = asdic_yaml_child(node, "choice");
+    size_t widest = choice ? choice->count : 0;
+    for (const asdic_yaml_node *child = node->first; child; child = child->next) {
+        size_t inside = widest_choice(child);
+        widest = inside > widest ? inside : widest;
+    }
+    return widest;
+}
+
+/* Reads what DRAW gives at one of its ends as the value of KEY; false after a problem. */
+static bool check_end(const drawer *d, const file_draw *draw, const asdic_key *key) {
+    asdic_yaml_node value = *draw->node, *key_node = draw->key;
+    size_t before = d->reader.problems->total, index = 0;
+    if (draw->choice) {
+        const asdic_yaml_node *chosen = draw->choice->first;
+        for (; chosen->next && index < d->entry; index++) {
+            chosen = chosen->next;
+        }
+        value.line = chosen->line;
+        value.column = chosen->column;
+    }
+    take_draw(d, draw, ASDIC_HASH_BEGIN, &value);
+    bool goes = key_node->text[key_node->length - 1] == ']' && !is_some(&value, NULL);
+    if (!goes) { /* an entry that is taken out has no value */
+        asdic_schema_read_alone(&d->reader, key, &value);
+    }
+    return d->reader.problems->total == before;
+}
+
+static void check_ends(const asdic_schema_reader *r, const file_draw *draw, const asdic_key *key) {
+    size_t own = draw->choice ? draw->choice->count : 1, widest = widest_choice(draw->node);
+    drawer d = {.reader = *r};
+    if (!draw->choice && key->type == ASDIC_KEY_INTEGER) {
+        asdic_yaml_problem(r->problems, draw->node,
+                           "'%s' is a whole number, of which a 'choice' can be given; others are "
+                           "drawn between them",
+                           key->name);
+        return;
+    }
+    for (bool good = true; (good || d.entry < own) && d.entry < (widest > 0 ? widest : 1);
+         d.entry++) {
+        d.is_high = false;
+        good = check_end(&d, draw, key);
+        d.is_high = true;
+        good = good && check_end(&d, draw, key);
+    }
+}
+
+void asdic_scene_draw_check_values(const file_trial *trial, asdic_yaml_node *root,
+                                   asdic_arena *arena, asdic_problems *problems) {
+    const asdic_schema_reader r = {asdic_scene_table(), arena, problems};
+    const file_draw *draws = trial->draws.items;
+    for (size_t i = 0; i < trial->draws.count; i++) {
+        asdic_yaml_node *name = draws[i].key;
+        asdic_key key;
+        if (!is_path(name) || name->bad || !asdic_schema_find(&r, name->text, name, &key)) {
+            continue;
+        }
+        if (root && !hangs(&trial->draws, i, false)) {
+            asdic_scene_file_find(root, name->text, name, NULL, problems);
+        }
+        /* What a file is to bring is not there yet. */
+        bool is_whole = asdic_scene_key_turn(name->text) != ASDIC_TURN_INCLUDES ||
+                        (key.type != ASDIC_KEY_MAP && key.type != ASDIC_KEY_CURVE);
+        if (is_whole && asdic_scene_node_good(draws[i].node) && !hangs(&trial->draws, i, true)) {
+            check_ends(&r, &draws[i], &key);
+        }
     }
 }

@@ -46,4 +46,9 @@ bool asdic_scene_draw_names(const asdic_yaml_node *root, const file_trial *trial
 /* Reports draws that are impossible, those inside choices too. */
 void asdic_scene_draw_check(const file_trial *trial, asdic_arena *arena, asdic_problems *problems);
 
+/* Reports draws, good by themselves, of keys that a scene does not have, or ROOT not the entries of lists (NULL: not
+ * known yet), and those whose ends or choices no scene may have. */
+void asdic_scene_draw_check_values(const file_trial *trial, asdic_yaml_node *root,
+                                   asdic_arena *arena, asdic_problems *problems);
+
 #endif

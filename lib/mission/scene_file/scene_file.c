@@ -95,8 +95,8 @@ static asdic_yaml_node *item_of(asdic_yaml_node *list, size_t index) {
     return item;
 }
 
-/* One step of PATH from NODE; *AT moves behind it, maps that are not there are made. NULL after a problem, or without
- * memory. */
+/* One step of PATH from NODE; *AT moves behind it, maps that are not there are made in ARENA, if any. NULL after a problem, or
+ * without memory. */
 static asdic_yaml_node *step(asdic_yaml_node *node, const char *path, const char **at,
                              asdic_yaml_node *blame, asdic_arena *arena, asdic_problems *problems) {
     if (**at == '[') {
@@ -128,8 +128,10 @@ static asdic_yaml_node *step(asdic_yaml_node *node, const char *path, const char
                            (int)(length + strcspn(*at + length, "].") + 1), *at);
         return NULL;
     }
-    child = child ? child : make_child(node, *at, length, arena);
-    problems->out_of_memory |= !child;
+    if (!child && arena) {
+        child = make_child(node, *at, length, arena);
+        problems->out_of_memory |= !child;
+    }
     *at += length;
     return child;
 }

@@ -316,7 +316,7 @@ bool asdic_scene_file_take(asdic_yaml_node *root, asdic_arena *arena, asdic_prob
                            asdic_scene_file *file);
 
 /* The node that PATH names, "sonar.receivers[0].pitch_deg". Maps on the way are made when they are
- * missing; entries of lists must be there. A problem is BLAME's (NULL: of the node where the path
+ * missing, without ARENA not; entries of lists must be there. A problem is BLAME's (NULL: of the node where the path
  * ends). NULL after a problem. */
 asdic_yaml_node *asdic_scene_file_find(asdic_yaml_node *root, const char *path,
                                        asdic_yaml_node *blame, asdic_arena *arena,
