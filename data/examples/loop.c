@@ -6,6 +6,7 @@
  *     cc loop.c -o loop $(pkg-config --cflags --libs asdic) -lm
  *     ./loop 200
  */
+#define _POSIX_C_SOURCE 199309L /* clock_gettime */
 #include <asdic/asdic.h>
 #include <math.h>
 #include <stdio.h>
@@ -33,8 +34,9 @@ static asdic_status make_floor(asdic_context *ctx, asdic_mesh **mesh) {
         if (i / SIDE == SIDE - 1 || i % SIDE == SIDE - 1)
             continue;
         uint32_t a = i, b = i + SIDE, c = i + 1, d = i + SIDE + 1;
-        memcpy(corners[n++], (uint32_t[]){a, c, b}, sizeof corners[0]);
-        memcpy(corners[n++], (uint32_t[]){b, c, d}, sizeof corners[0]);
+        const uint32_t two[2][3] = {{a, c, b}, {b, c, d}};
+        memcpy(corners[n], two, sizeof two);
+        n += 2;
     }
     return asdic_mesh_from_triangles(ctx, xyz[0], SIDE * SIDE, corners[0], n, mesh);
 }
@@ -88,7 +90,7 @@ int main(int argc, char **argv) {
     sonar.source_level_db = 200;
     sonar.receivers = beams;
     sonar.receiver_count = 2;
-    double *latency_s = calloc(pings + 1, sizeof *latency_s);
+    double *latency_s = (double *)calloc(pings + 1, sizeof *latency_s);
 
     asdic_status s = latency_s ? asdic_context_create(&ctx) : ASDIC_ERROR_MEMORY;
     if (!s)

@@ -15,7 +15,7 @@ import tap
 
 BUILD, EXAMPLES, SCENE = sys.argv[1:4]
 del sys.argv[1:4]
-STRICT = ["-std=c11", "-D_GNU_SOURCE", "-Wall", "-Wextra", "-Wpedantic", "-Werror"]
+STRICT = ["-Wall", "-Wextra", "-Wpedantic", "-Werror"]
 
 
 class Tree:
@@ -49,8 +49,16 @@ def compiled(tree, name, static):
     if static:  # the drivers' loader and the like stay shared
         flags = ["-l:libasdic.a" if flag == "-lasdic" else flag for flag in flags]
     source = os.path.join(EXAMPLES, name + ".c")
-    run([os.environ.get("CC", "cc"), *STRICT, source, "-o", program, *flags, "-lm"], env=tree.env)
+    run([os.environ.get("CC", "cc"), "-std=c11", *STRICT, source, "-o", program, *flags, "-lm"], env=tree.env)
     return program
+
+
+def test_examples_are_cxx_as_well():
+    tree = Tree()
+    for name in sorted(os.listdir(EXAMPLES)):
+        if name.endswith(".c"):
+            run(["g++", "-std=c++17", "-Wall", "-Werror", "-fsyntax-only", "-x", "c++", os.path.join(EXAMPLES, name),
+                 *tree.flags("--cflags")])
 
 
 def test_pkg_config_asks_for_nothing_else():
