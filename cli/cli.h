@@ -138,6 +138,9 @@ bool cli_is_stdout(const char *path);
  * NULL, the standard output, pipes and devices. False after a report. */
 bool cli_may_write(cli *c, const char *path);
 
+/* Creates FOLDER; *IS_NEW: it was not there. False after a report. */
+bool cli_make_folder(const cli *c, const char *folder, bool *is_new);
+
 /* An output file, written as PATH.part and renamed when it is whole. "-" is standard output, of
  * which main tells; pipes and devices are written as they are. */
 typedef struct cli_file {
@@ -179,6 +182,9 @@ asdic_status cli_open_devices(cli *c, asdic_device ***out, size_t *count);
 /* ---- messages -------------------------------------------------------------------------------
  * "error: ..." and "warning: ..." on stderr. */
 void cli_error(const cli *c, const char *format, ...) __attribute__((format(printf, 2, 3)));
+/* One that --quiet does not silence: the results are others than asked for. */
+void cli_warning_always(const cli *c, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
 void cli_warning(const cli *c, const char *format, ...) __attribute__((format(printf, 2, 3)));
 /* Plain text on stderr, unless --quiet was given. */
 void cli_note(const cli *c, const char *format, ...) __attribute__((format(printf, 2, 3)));

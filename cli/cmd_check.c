@@ -102,7 +102,8 @@ const cli_command cli_check_command = {
     .max_operands = CLI_ANY_NUMBER,
     .summary = "validate scene files and meshes, and say what is in them",
     .details = "Scenes are read as 'asdic run' reads them, with their meshes, grids and tracks; "
-               "every error is named with line, column, key, value, limit and remedy. Meshes "
+               "every error is named with line, column, key, value, limit and remedy; '-' is a "
+               "scene on standard input. Meshes "
                "(.obj, .ply, .stl, .off) and grids (.asc) are described in their own axes and "
                "units. All files are looked at; the exit code is 3 when any of them is bad. With "
                "--quiet nothing else is told. With "

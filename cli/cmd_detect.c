@@ -251,8 +251,9 @@ static void remark_on_background(cli *c, const asdic_detect_report *r, bool aske
         cli_note(c, "background: background.npy, standard error %.2g dB in the median bin",
                  r->background_error_db);
     } else if (r->background == ASDIC_BACKGROUND_CFAR && !asked) {
-        cli_note(c, "no background can be simulated, the scene file is not there as it was: it is "
-                    "from neighbouring bins (--cfar ca)");
+        cli_warning_always(c,
+                           "no background can be simulated, the scene file is not there as it was: "
+                           "it is from neighbouring bins (--cfar ca)");
     }
     if (r->by_cfar && r->pfa.low > 2.0 * r->design_pfa) {
         cli_note(
@@ -283,9 +284,9 @@ static asdic_status detect(cli *c, const char *folder, request *r) {
     }
     remark_on_background(c, report, r->options.has_cfar);
     if (report->bins == 0) {
-        cli_warning(c, "nothing was decided: %s",
-                    report->by_cfar ? "no bin has neighbours beyond its guard (--cfar-guard)"
-                                    : "nothing is expected in any bin");
+        cli_warning_always(c, "nothing was decided: %s",
+                           report->by_cfar ? "no bin has neighbours beyond its guard (--cfar-guard)"
+                                           : "nothing is expected in any bin");
     }
     if (report->is_coherent) {
         cli_note(c, "coherent pings do not say what is in a bin: objects, boundaries and water are "

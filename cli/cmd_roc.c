@@ -2,10 +2,8 @@
 #include "progress.h"
 #include "roc_print.h"
 
-#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 typedef struct request {
@@ -151,15 +149,6 @@ static asdic_status draw(cli *c, const request *r, const char *path, const char 
     return asdic_roc_draw(cli_context(c), path, title, names, v->rocs, v->count);
 }
 
-static bool make_folder(cli *c, const char *folder, bool *is_new) {
-    *is_new = mkdir(folder, 0777) == 0;
-    if (!*is_new && errno != EEXIST) {
-        cli_error(c, "cannot create folder '%s': %s", folder, strerror(errno));
-        return false;
-    }
-    return true;
-}
-
 static asdic_status write_files(cli *c, request *r, char *const paths[3]) {
     const char *names[ROC_MOST_VARIANTS];
     roc_variants *v = &r->variants;
@@ -199,7 +188,7 @@ static int judge(cli *c, request *r, const char *folder) {
     static const char *const files[3] = {"roc.csv", "roc_range.csv", "roc.png"};
     char *paths[3] = {NULL, NULL, NULL};
     int code = CLI_FAILED;
-    bool is_new = false, is_good = make_folder(c, folder, &is_new);
+    bool is_new = false, is_good = cli_make_folder(c, folder, &is_new);
     for (int i = 0; i < 3 && is_good; i++) {
         is_good = out_path(c, folder, files[i], &paths[i]);
     }
@@ -210,7 +199,7 @@ static int judge(cli *c, request *r, const char *folder) {
         asdic_status status = compute_all(c, r);
         if (cli_bad_usage(c)) {
             code = CLI_USAGE;
-        } else if (status != ASDIC_OK || make_folder(c, folder, &is_new)) {
+        } else if (status != ASDIC_OK || cli_make_folder(c, folder, &is_new)) {
             code = cli_end(c, status == ASDIC_OK ? tell(c, r, folder, paths) : status);
         }
         if (code != CLI_OK && is_new) {

@@ -97,10 +97,6 @@ static bool read_request(cli *c, request *r) {
                   r->program);
         return false;
     }
-    if (rays > 0 && !isnan(r->tolerance_db)) {
-        cli_usage(c, "--rays and --tolerance exclude each other");
-        return false;
-    }
     uint64_t from = 0, to = o->runs;
     cli_take_part(r->part, &from, &to);
     o->first = from;
@@ -233,10 +229,11 @@ static int tell(cli *c, const char *folder) {
         print_table(trial);
     }
     if (voids > 0) {
-        cli_warning(c,
-                    "%llu runs are void: what is drawn puts the vehicle into the bottom or an "
-                    "object; they are left out of all shares",
-                    (unsigned long long)voids);
+        cli_warning_always(
+            c,
+            "%llu runs are void: what is drawn puts the vehicle into the bottom or an "
+            "object; they are left out of all shares",
+            (unsigned long long)voids);
     }
     if (!status && broken > 0) {
         cli_error(c,
@@ -327,25 +324,27 @@ static void dismiss(workforce *w) {
 /* The rays that --tolerance takes along the way of run 0 of each design, the most of them. */
 static asdic_status find_rays(cli *c, request *r, asdic_device *device) {
     asdic_trial_options *o = &r->options;
+    const asdic_trial_options asked = *o;
     const asdic_tolerance wanted = {r->tolerance_db, 0.99, MOST_RAYS};
     size_t pings = 0;
     for (size_t v = 0; v < o->variants.count; v++) {
         asdic_ray_budget found;
-        TRY(asdic_trial_find_rays(cli_context(c), device, o, v, &wanted, &found));
+        TRY(asdic_trial_find_rays(cli_context(c), device, &asked, v, &wanted, &found));
         o->rays = found.rays > o->rays ? found.rays : o->rays;
         pings += found.pings;
         if (found.judged == 0) {
-            cli_warning(
+            cli_warning_always(
                 c,
                 "tolerance %g dB: no bin is above the noise along the way of run 0, so that "
                 "none can keep it; the search ends at its first %u rays per ping",
                 wanted.stderr_db, found.rays);
         } else if (!found.is_kept) {
-            cli_warning(c,
-                        "%u rays per ping do not keep %g dB: %zu of %zu bins in %zu pings stay "
-                        "above it, the worst bin has %.3g dB",
-                        found.rays, wanted.stderr_db, found.rough_count, found.judged, found.pings,
-                        found.worst_db);
+            cli_warning_always(
+                c,
+                "%u rays per ping do not keep %g dB: %zu of %zu bins in %zu pings stay "
+                "above it, the worst bin has %.3g dB",
+                found.rays, wanted.stderr_db, found.rough_count, found.judged, found.pings,
+                found.worst_db);
         }
     }
     cli_note(c, "tolerance %g dB: %u rays per ping, by %zu ping%s along the way of run 0",
@@ -412,8 +411,7 @@ static const cli_option options[] = {
     {"rays", 0, "N", "rays per ping, instead of the scene's; of 'auto' 4096"},
     {"tolerance", 0, "DB",
      "as many rays per ping as keep the stated error of 99 % of the bins below this along the way "
-     "of "
-     "run 0, in place of --rays"},
+     "of run 0, from --rays on"},
     {"workers", 0, "N", "runs that are flown at a time, else one for each processor"},
     {"rule", 0, "PROGRAM",
      "let this command, run by the shell, decide: it reads pings as 'asdic serve --detect' writes "

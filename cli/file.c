@@ -52,9 +52,19 @@ static bool fail(const cli *c, const char *path, int error) {
     return false;
 }
 
+bool cli_make_folder(const cli *c, const char *folder, bool *is_new) {
+    *is_new = mkdir(folder, 0777) == 0;
+    int error = *is_new ? EEXIST : errno;
+    if (error != EEXIST) {
+        cli_error(c, "cannot create folder '%s': %s%s", folder, strerror(error),
+                  error == ENOENT ? "; create the folder that it is to be in first" : "");
+    }
+    return error == EEXIST;
+}
+
 int cli_leave_empty(const cli *c, const char *what, uint64_t total, const char *folder) {
-    if (folder && mkdir(folder, 0777) != 0 && errno != EEXIST) {
-        fail(c, folder, errno);
+    bool is_new;
+    if (folder && !cli_make_folder(c, folder, &is_new)) {
         return CLI_FAILED;
     }
     cli_note(c, "--shard %s: nothing to do; %s to share: %llu", cli_text(c, "shard"), what,

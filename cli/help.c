@@ -48,7 +48,8 @@ void cli_help_program(FILE *out) {
     for (size_t i = 0; cli_commands[i]; i++) {
         print_row(out, cli_commands[i]->name, cli_commands[i]->summary);
     }
-    fputs("\n'asdic COMMAND --help' explains one; 'asdic --version' prints the version.\n", out);
+    fputs("\n'asdic COMMAND --help' explains one; 'asdic --version' (-V) prints the version.\n",
+          out);
 }
 
 void cli_help_on(FILE *out, const cli_command *command) {

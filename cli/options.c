@@ -11,7 +11,8 @@ static const cli_option device_option = {"device", 0, "WHICH",
                                          "auto, all, cpu, gpu, acc, P:D[,P:D...] or name:TEXT; "
                                          "default: ASDIC_DEVICE, else auto"};
 static const cli_option json_option = {"json", 0, NULL, "print JSON"};
-static const cli_option quiet_option = {"quiet", 'q', NULL, "print errors only"};
+static const cli_option quiet_option = {
+    "quiet", 'q', NULL, "print errors only, and where results are others than asked for"};
 static const cli_option verbose_option = {"verbose", 'v', NULL,
                                           "tell more; twice: what helps to find faults"};
 static const cli_option help_option = {"help", 'h', NULL, "show this help and exit"};

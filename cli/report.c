@@ -87,6 +87,13 @@ void cli_warning(const cli *c, const char *format, ...) {
     }
 }
 
+void cli_warning_always(const cli *c, const char *format, ...) {
+    va_list args;
+    va_start(args, format);
+    print_formatted(c, ASDIC_LOG_WARNING, format, args);
+    va_end(args);
+}
+
 void cli_note(const cli *c, const char *format, ...) {
     if (c->verbosity >= 0) {
         va_list args;

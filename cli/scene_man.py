@@ -56,7 +56,7 @@ def kind(schema):
         return words(schema["enum"])
     if "const" in schema:
         return json.dumps(schema["const"]).strip('"')
-    if "not" in schema:
+    if "type" not in schema:
         return "any value"
     of = schema.get("type")
     if of == "object":
@@ -77,7 +77,9 @@ def kind(schema):
         return f"{name} in [{schema['minimum']:.10g}, {schema['maximum']:.16g}]"
     if of == "boolean":
         return "true or false"
-    return "a name" if "pattern" in schema else "a file"
+    if "pattern" in schema:
+        return f"a name of at most {schema['maxLength']} letters, digits, _ - and ."
+    return "a file"
 
 
 def maps(schema):

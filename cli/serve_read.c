@@ -376,6 +376,10 @@ static serve_line read_header(serve_reader *r, const char *line, char *why) {
 static serve_line read_values(const serve_reader *r, const char *line, serve_request *out,
                               char *why) {
     const char *at = line;
+    size_t given = 1;
+    for (const char *c = line; *c; c++) {
+        given += *c == ',';
+    }
     for (size_t i = 0;; i++) {
         const char *end = at + strcspn(at, ",");
         if (i < r->fields && r->column[i] >= 0) {
@@ -388,8 +392,8 @@ static serve_line read_values(const serve_reader *r, const char *line, serve_req
             }
         }
         if ((i + 1 == r->fields) != (*end == '\0')) {
-            snprintf(why, SERVE_WHY_SIZE, "%s%zu values are expected%s",
-                     i + 1 == r->fields ? "more than " : "", r->fields,
+            snprintf(why, SERVE_WHY_SIZE, "%zu value%s where %zu are expected%s", given,
+                     given == 1 ? "" : "s", r->fields,
                      r->has_header ? " by the header" : ": " ORDER);
             return SERVE_BAD;
         }

@@ -6,7 +6,6 @@
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 /* BT.601 in the range 16..235, as Y4M readers expect: 16.16 fixed point. */
@@ -109,8 +108,8 @@ static bool take_snapshot(view_job *job, const char *folder) {
 int view_snapshots(view_job *job, size_t count, size_t pings, const char *folder, bool force) {
     asdic_status status = ASDIC_OK;
     size_t taken = 0;
-    if (mkdir(folder, 0777) != 0 && errno != EEXIST) {
-        cli_error(job->c, "cannot create folder '%s': %s", folder, strerror(errno));
+    bool is_new = false;
+    if (!cli_make_folder(job->c, folder, &is_new)) {
         return CLI_FAILED;
     }
     if (!force && !are_new(job, count, pings, folder)) {

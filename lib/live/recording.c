@@ -7,6 +7,7 @@
 #include "mission/mission.h"
 #include "mission/run/run_job.h"
 #include "mission/track/track.h"
+#include "out/file.h"
 #include "out/record.h"
 
 #include <errno.h>
@@ -37,10 +38,7 @@ static asdic_status fail_io(asdic_recording *r, const char *what) {
 }
 
 static asdic_status make_folder(asdic_recording *r, const char *parent) {
-    if (mkdir(parent, 0777) != 0 && errno != EEXIST) {
-        return asdic_fail(r->ctx, ASDIC_ERROR_IO, "cannot create folder '%s': %s", parent,
-                          strerror(errno));
-    }
+    TRY(asdic_folder_make(r->ctx, parent));
     for (r->number = 0; r->number < MOST_NUMBERS; r->number++) {
         free(r->folder);
         if (asprintf(&r->folder, "%s/%03u", parent, r->number) < 0) {

@@ -89,6 +89,16 @@ asdic_status asdic_file_fail(asdic_context *ctx, const char *path, int error) {
                       error == EBUSY ? "another process is writing it just now" : strerror(error));
 }
 
+asdic_status asdic_folder_make(asdic_context *ctx, const char *folder) {
+    if (mkdir(folder, 0777) == 0 || errno == EEXIST) {
+        return ASDIC_OK;
+    }
+    int error = errno;
+    return asdic_fail(ctx, ASDIC_ERROR_IO, "cannot create folder '%s': %s%s", folder,
+                      strerror(error),
+                      error == ENOENT ? "; create the folder that it is to be in first" : "");
+}
+
 static void file_free(asdic_file **file) {
     if (!file || !*file) {
         return;

@@ -32,6 +32,9 @@ bool asdic_file_is_being_written(const char *path);
  * errno: EBUSY while another process writes it. */
 int asdic_file_open_new(const char *path, int flags);
 
+/* Creates FOLDER where it is not there. */
+asdic_status asdic_folder_make(asdic_context *ctx, const char *folder);
+
 /* "cannot write PATH", with the reason, an errno. */
 asdic_status asdic_file_fail(asdic_context *ctx, const char *path, int error);
 

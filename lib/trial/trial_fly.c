@@ -28,7 +28,6 @@
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 /* Workers where no device is given, since the sonar is ideal. */
@@ -463,9 +462,7 @@ static asdic_status fly_rest(fleet *f, const asdic_text *header) {
     } else {
         TRY(find_all_rows(f));
     }
-    if (mkdir(o->folder, 0777) != 0 && errno != EEXIST) {
-        return asdic_file_fail(f->ctx, o->folder, errno);
-    }
+    TRY(asdic_folder_make(f->ctx, o->folder));
     take_first_rows(f, &rows);
     asdic_status status =
         asdic_trial_begin(f->ctx, o->folder, f->facts, header, &rows, o->resume, &f->out);
@@ -550,9 +547,7 @@ static asdic_status fly_in_team(fleet *f, trial_facts *facts, const asdic_text *
     uint64_t from = whole->count * team->rank / team->size;
     uint64_t to = whole->count * (team->rank + 1) / team->size;
     bool is_whole = false;
-    if (mkdir(whole->folder, 0777) != 0 && errno != EEXIST) {
-        return asdic_file_fail(f->ctx, whole->folder, errno);
-    }
+    TRY(asdic_folder_make(f->ctx, whole->folder));
     TRY(look_for_whole(f->ctx, whole, facts, &is_whole));
     if (is_whole) {
         return team->rank == 0 ? fly_part(f, facts, header) : ASDIC_OK;

@@ -16,7 +16,6 @@
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 /* Rays a ping where the scene leaves them to asdic: so many, or as many times two as leave no rough
@@ -149,7 +148,7 @@ asdic_status asdic_trial_find_rays(asdic_context *ctx, asdic_device *device,
     asdic_mission *mission = NULL;
     TRY(asdic_mission_load_trial(ctx, options->scene, &vary, v->key != NULL, &draw, NULL,
                                  &mission));
-    asdic_mission_sampling(mission)->rays = FIRST_RAYS;
+    asdic_mission_sampling(mission)->rays = options->rays > 0 ? options->rays : FIRST_RAYS;
     asdic_status status = asdic_mission_find_rays(ctx, mission, device, tolerance, out);
     asdic_mission_destroy(&mission);
     return status;
@@ -192,9 +191,7 @@ static asdic_status fly_again(asdic_context *ctx, replay *r, uint64_t run, size_
         return asdic_fail(ctx, ASDIC_ERROR_INPUT, "run %llu is %s: %s", (unsigned long long)run,
                           asdic_trial_outcome_name(out->outcome), why);
     }
-    if (mkdir(folder, 0777) != 0 && errno != EEXIST) {
-        return asdic_file_fail(ctx, folder, errno);
-    }
+    TRY(asdic_folder_make(ctx, folder));
     TRY(asdic_mission_write_scene(ctx, r->mission, scene.text, "track.csv"));
     return write_track(ctx, r, poses.text);
 }

@@ -239,6 +239,9 @@ def test_a_background_is_simulated_over_a_mesh():
         (out / "background.npy").unlink()
         again, said = detect()
         tap.equal(again["background"], "cfar")
+        words = "warning: no background can be simulated, the scene file is not there as it was: it is from neighbouring bins"
+        tap.contains(said, words)
+        tap.contains(detect("-q")[1], words)
         done = asdic("detect", "out", "--force", "--background", "simulated", cwd=folder.path)
         tap.contains(done.check(3).err, "not there as it was")
         tap.equal([n.name for n in out.iterdir() if n.suffix == ".part"], [])

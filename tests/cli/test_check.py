@@ -148,6 +148,13 @@ def test_places_are_judged_beside_other_errors():
                 tap.contains(err, part)
 
 
+def test_a_sonar_is_told_from_a_scene():
+    for path in (DATA / "sonars/m750d.yaml", DATA / "trials/one.yaml"):
+        done = asdic("check", path).check(3)
+        tap.contains(done.err, ": error: these are keys of a sonar, not a scene; check a scene that names this file: "
+                     f"'sonar: {{file: {path.name}}}'\nerror: {path}: 1 error\n")
+
+
 def test_draws_are_judged():
     """By the scene's own limits, at the line of the draw."""
     draws = MINIMAL + "trial:\n  draws:\n"

@@ -130,8 +130,8 @@ def test_times_are_said():
     with Folder() as folder:
         path = scene(folder, pings=20, rays=4000)
         err = asdic("run", path, "-o", folder / "r").check(code=0).err
-        said = re.search(r"devices ([\d.]+) s, writing ([\d.]+) s and drawing ([\d.]+) s: "
-                         r"(\d+) % of ([\d.]+) s", err)
+        said = re.search(r"[\d.]+ s: devices ([\d.]+) s, writing ([\d.]+) s, drawing ([\d.]+) s "
+                         r"\(the last two (\d+) %\)", err)
         kept = facts(folder, "r")["time_s"]
         tap.equal(sorted(kept), ["devices", "pictures", "setup", "simulate", "whole", "write"], "keys")
         for number, key in zip(said.group(1, 2, 3), ("devices", "write", "pictures")):

@@ -133,6 +133,9 @@ def test_manual_page_names_every_key():
             yield from names(inner)
     for name in names(schema()):
         tap.contains(text, f"\n.B {name}\n")
+    for name, kind in (("environment", "a map"), ("sonar", "a map; required"),
+                       ("name", "a name of at most 63 letters, digits, _ \\- and .")):
+        tap.contains(text, f"\n.B {name}\n{kind}\n")
     if shutil.which("groff"):
         done = subprocess.run(["groff", "-man", "-ww", "-Tutf8", "-rLL=100n", page],
                               capture_output=True, check=True)

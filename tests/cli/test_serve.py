@@ -191,7 +191,7 @@ def test_every_line_that_asks_is_answered():
         tap.equal([key for key in ("x_m", "y_m", "z_m", "yaw_deg") if answers[7][key] !=
                    {"x_m": 1, "y_m": 2, "z_m": 7, "yaw_deg": 0}[key]], [])
         for answer, part in zip(answers[1:], (
-                "'z_m' is missing", "column 11: a comma or }", "7 values are expected",
+                "'z_m' is missing", "column 11: a comma or }", "values where 7 are expected",
                 "'yaw_deg' = 'nan' is not a number", "above the sea surface", "lacks x_m, y_m or z_m")):
             tap.contains(answer["error"], part)
         tap.contains(answers[8]["error"], "longer than 16777216")

@@ -54,9 +54,9 @@ static void values_have_an_order(void **state) {
     assert_pose("1,2,3,4,5,6,7", 2.0, 3.0, 4.0, 5.0, 6.0, 7.0);
     assert_true(got.value[SERVE_TIME] == 1.0);
     assert_pose(" 1 ,\t-2 , +3, .5,-5,6e0,7 ", -2.0, 3.0, 0.5, -5.0, 6.0, 7.0);
-    assert_bad("1,2,3,4,5,6", "7 values are expected: time_s,x_m");
-    assert_bad("1,2,3,4,5,6,7,8", "more than 7 values");
-    assert_bad("1,2,3,4,5,6,7,", "more than 7 values");
+    assert_bad("1,2,3,4,5,6", "6 values where 7 are expected: time_s,x_m");
+    assert_bad("1,2,3,4,5,6,7,8", "8 values where 7 are expected: time_s,x_m");
+    assert_bad("1,2,3,4,5,6,7,", "8 values where 7 are");
     assert_bad("1,2,,4,5,6,7", "'y_m' = '' is not a number");
     assert_bad("1,2,3x,4,5,6,7", "'y_m' = '3x' is not a number");
     assert_bad("1,2,-,4,5,6,7", "'y_m' = '-' is not a number");
@@ -75,8 +75,8 @@ static void a_header_gives_the_order(void **state) {
     assert_int_equal(read_line(" \"z_m\" , x_m,speed,y_m\t"), SERVE_NOTHING);
     assert_pose("7,1,fast,2", 1.0, 2.0, 7.0, 0.0, 0.0, 0.0);
     assert_true(isnan(got.value[SERVE_TIME]));
-    assert_bad("7,1,fast", "4 values are expected by the header");
-    assert_bad("7,1,fast,2,3", "more than 4 values are expected by the header");
+    assert_bad("7,1,fast", "3 values where 4 are expected by the header");
+    assert_bad("7,1,fast,2,3", "5 values where 4 are expected by the header");
     assert_bad("x_m,y_m", "the header lacks");
     assert_bad("x_m,z_m", "the header lacks");
     assert_bad("y_m,z_m", "the header lacks");

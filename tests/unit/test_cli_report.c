@@ -322,16 +322,18 @@ static void write_short_help(FILE *out) {
 
 static void help_is_wrapped(void **state) {
     (void)state;
-    assert_string_equal(written(write_help),
-                        "usage: asdic try [OPTION...] SCENE.yaml\n\na try.\n\n"
-                        "One two three four five six seven eight nine ten eleven twelve "
-                        "thirteen\nfourteen.\n\nEnd.\n\n"
-                        "options:\n"
-                        "  -o, --output FILE       where it goes\n"
-                        "  -q, --quiet             print errors only\n"
-                        "  -v, --verbose           tell more; twice: what helps to find faults\n"
-                        "  -h, --help              show this help and exit\n\n"
-                        "examples:\n  asdic try a\n  asdic try b\n");
+    assert_string_equal(
+        written(write_help),
+        "usage: asdic try [OPTION...] SCENE.yaml\n\na try.\n\n"
+        "One two three four five six seven eight nine ten eleven twelve "
+        "thirteen\nfourteen.\n\nEnd.\n\n"
+        "options:\n"
+        "  -o, --output FILE       where it goes\n"
+        "  -q, --quiet             print errors only, and where results are others than\n"
+        "                          asked for\n"
+        "  -v, --verbose           tell more; twice: what helps to find faults\n"
+        "  -h, --help              show this help and exit\n\n"
+        "examples:\n  asdic try a\n  asdic try b\n");
     assert_contains(written(write_short_help),
                     "usage: asdic alone [OPTION...]\n\none.\n\nTwo.\n\noptions:\n"
                     "      --sixteen-letters-  beside\n"

@@ -116,8 +116,8 @@ ASDIC_API asdic_status asdic_trial_fly(asdic_context *ctx, asdic_device **device
 ASDIC_API asdic_status asdic_trial_merge(asdic_context *ctx, const char *const *folders,
                                          size_t folder_count, const char *folder, bool force);
 
-/* As asdic_mission_find_rays, from 1,024 rays on, along the waypoints of run 0 of variant VARIANT
- * where they are above the bottom. */
+/* As asdic_mission_find_rays, from the options' rays on, else 1,024, along the waypoints of run 0
+ * of variant VARIANT where they are above the bottom. */
 ASDIC_API asdic_status asdic_trial_find_rays(asdic_context *ctx, asdic_device *device,
                                              const asdic_trial_options *options, size_t variant,
                                              const asdic_tolerance *tolerance,

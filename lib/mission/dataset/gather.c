@@ -13,7 +13,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #define SET "dataset.json"
@@ -45,13 +44,6 @@ bool asdic_dataset_is_in(const char *folder) {
 static asdic_status read_set(asdic_context *ctx, const char *folder, char **text, size_t *length) {
     return asdic_file_read(ctx, asdic_file_in(folder, SET).text, ASDIC_FRAME_MOST_BYTES, text,
                            length);
-}
-
-static asdic_status make_folder(asdic_context *ctx, const char *path) {
-    return mkdir(path, 0777) == 0 || errno == EEXIST
-               ? ASDIC_OK
-               : asdic_fail(ctx, ASDIC_ERROR_IO, "cannot make folder '%s': %s", path,
-                            strerror(errno));
 }
 
 /* Removes what a set wrote into FOLDER: its frames, by their records, and the files about all. */
@@ -95,7 +87,7 @@ asdic_status asdic_dataset_enter(asdic_context *ctx, const asdic_dataset_options
         TRY(clear(ctx, folder));
     }
     for (size_t i = 0; i < ASDIC_FRAME_FOLDERS; i++) {
-        TRY(make_folder(ctx, asdic_file_in(folder, asdic_frame_folders[i].name).text));
+        TRY(asdic_folder_make(ctx, asdic_file_in(folder, asdic_frame_folders[i].name).text));
     }
     return ASDIC_OK;
 }

@@ -3,6 +3,7 @@
 #include "base/context.h"
 #include "base/try.h"
 #include "mission/scene_inputs.h"
+#include "out/file.h"
 #include "out/format.h"
 
 #include <dirent.h>
@@ -104,10 +105,7 @@ static asdic_status fail_open(asdic_context *ctx, const char *folder) {
 }
 
 static asdic_status open_folder(asdic_context *ctx, const char *folder, DIR **out) {
-    if (mkdir(folder, 0777) != 0 && errno != EEXIST) {
-        return asdic_fail(ctx, ASDIC_ERROR_IO, "cannot create folder '%s': %s", folder,
-                          strerror(errno));
-    }
+    TRY(asdic_folder_make(ctx, folder));
     *out = opendir(folder);
     if (!*out && errno == ENOTDIR) {
         return asdic_fail(ctx, ASDIC_ERROR_EXISTS, "'%s' exists and is not a folder", folder);

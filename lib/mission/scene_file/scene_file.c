@@ -2,6 +2,7 @@
  * From the bytes of a scene file to the struct that its tables fill.
  */
 #include "scene_file.h"
+#include "scene_keys.h"
 
 #include "base/number.h"
 
@@ -228,10 +229,30 @@ bool asdic_scene_file_parse(const char *text, size_t size, asdic_arena *arena,
            asdic_scene_file_take(root, arena, problems, file);
 }
 
+/* Whether ROOT is what a scene's 'sonar: {file: ...}' names: then all that it lacks of a scene is one mistake. */
+static bool is_sonar(const asdic_yaml_node *root, asdic_problems *problems) {
+    const asdic_table *scene = asdic_scene_table();
+    if (root->kind != ASDIC_YAML_MAP || !root->first ||
+        !asdic_schema_has(&asdic_sonar_table, root->first->key)) {
+        return false;
+    }
+    for (size_t i = 0; i < scene->key_count; i++) {
+        if (asdic_yaml_child(root, scene->keys[i].name)) {
+            return false;
+        }
+    }
+    const char *slash = strrchr(problems->name, '/');
+    asdic_problems_add(problems, root->line, root->column,
+                       "these are keys of a sonar, not a scene; check a scene that names this "
+                       "file: 'sonar: {file: %s}'",
+                       slash ? slash + 1 : problems->name);
+    return true;
+}
+
 bool asdic_scene_file_take(asdic_yaml_node *root, asdic_arena *arena, asdic_problems *problems,
                            asdic_scene_file *file) {
     memset(file, 0, sizeof *file);
-    if (!root) {
+    if (!root || is_sonar(root, problems)) {
         return true;
     }
     asdic_schema_read(asdic_scene_table(), asdic_scene_table(), root, arena, problems, file);

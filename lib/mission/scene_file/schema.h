@@ -94,6 +94,8 @@ typedef struct asdic_schema_reader {
     asdic_problems *problems;
 } asdic_schema_reader;
 
+bool asdic_schema_has(const asdic_table *table, const char *name);
+
 /* The key of PATH, "sonar.receivers[0].pitch_deg", as *OUT: of an entry of a list, as if a map had it alone. False
  * after a problem of BLAME: the tables have no such key. */
 bool asdic_schema_find(const asdic_schema_reader *reader, const char *path, asdic_yaml_node *blame,

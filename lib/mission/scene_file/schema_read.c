@@ -28,6 +28,10 @@ static const asdic_key *find_key(const asdic_table *table, const char *name) {
     return NULL;
 }
 
+bool asdic_schema_has(const asdic_table *table, const char *name) {
+    return find_key(table, name) != NULL;
+}
+
 /* How many tables under TABLE have KEY; PATH becomes the path of the last one. */
 static size_t find_homes(const asdic_table *table, const char *key, const char *here,
                          asdic_text *path) {
