@@ -81,9 +81,10 @@ void asdic_mission_remark_ambiguity(const asdic_mission *m, double speed_mps, as
             snprintf(
                 out->text[out->count++], ASDIC_REMARK_SIZE,
                 "objects: '%s' has %zu edges of up to %.3g degrees where plates may meet, or a "
-                "round body be cut: %.1f dB square to a face; 'crease_deg: 0' takes all for "
-                "plates, %g for round",
-                part->name, a->edges, a->most_rad * (180.0 / ASDIC_PI), db, ASDIC_ROUND_DEG);
+                "round body be cut: %.1f dB square to a face; default round below %g, "
+                "'crease_deg: 0' all plates, %g all round",
+                part->name, a->edges, a->most_rad * (180.0 / ASDIC_PI), db,
+                ASDIC_CREASE_RAD * (180.0 / ASDIC_PI), ASDIC_ROUND_DEG);
             count++;
         }
     }

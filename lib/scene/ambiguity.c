@@ -10,8 +10,9 @@
 
 #include <stdlib.h>
 
-/* What turns by less from face to face than 18 plates round a drum is taken for round, and nobody asks. */
-#define PLATES_RAD (20.0 * ASDIC_PI / 180.0)
+/* What turns by less from face to face than 18 plates round a drum is taken for round, and nobody asks: by less than 20
+ * degrees, but for the last bits of the corners. */
+#define PLATES_RAD (19.99 * ASDIC_PI / 180.0)
 /* Plates beside each other are as wide, to this ratio; the barrel of a bottle is no plate beside its shoulder. */
 #define AS_WIDE 2.0
 /* What bends on does so by this share at least. */

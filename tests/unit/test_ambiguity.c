@@ -50,7 +50,7 @@ static void drums_may_be_of_plates(void **state) {
     const char *said = remarks_of(w, BODY());
     print_message("%s", said);
     assert_contains(said, "objects: 'it' has 11 edges of up to 32.7 degrees where plates may ");
-    assert_contains(said, "'crease_deg: 0' takes all for plates, 50 for round\n");
+    assert_contains(said, "; default round below 35, 'crease_deg: 0' all plates, 50 all round\n");
     double db = atof(strstr(said, " be cut: ") + 9);
     const double pi = 3.14159265358979323846, turn = 2.0 * pi / 11.0, width_m = sin(0.5 * turn);
     double lobe = 0.01 * 0.01 + 0.015 * 0.015 / (4.0 * pi * width_m);
@@ -68,6 +68,9 @@ static void drums_may_be_of_plates(void **state) {
     assert_string_equal(remarks_of(w, "  - {name: it, mesh: {file: body}, position_m: [20, 0, 10], "
                                       "type: rock}\n"),
                         "");
+    /* Edges of exactly 20 degrees count, all of them. */
+    set_body(w, lathe_mesh(w->ctx, drum, 2, 18));
+    assert_contains(remarks_of(w, BODY()), "objects: 'it' has 18 edges of up to 20 degrees where ");
     static const ring pipe[] = {{-0.012, 0.012}, {0.012, 0.012}};
     set_body(w, lathe_mesh(w->ctx, pipe, 2, 11));
     assert_string_equal(remarks_of(w, BODY()), "");
