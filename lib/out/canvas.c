@@ -1,4 +1,5 @@
 #include "canvas.h"
+
 #include "base/context.h"
 #include "base/try.h"
 #include "base/vec.h"

@@ -3,17 +3,19 @@
  * aimed, the water, where the sampler's zones and lobes lie, and tables over the bins.
  */
 #include "simulator.h"
+
+#include <asdic/plan.h>
+
 #include "aim.h"
 #include "base/vec.h"
 #include "cones.h"
+#include "laws/scatterer.h"
 #include "passage.h"
 #include "scene/scene.h"
 #include "sonar_ray.h"
+
 #include "../../kernels/mirror.h"
 #include "../../kernels/random.h"
-#include "laws/scatterer.h"
-
-#include <asdic/plan.h>
 
 #include <math.h>
 #include <string.h>
