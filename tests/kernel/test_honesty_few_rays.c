@@ -42,7 +42,7 @@ static void first_echoes(void **state) {
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         honesty_sum sums[2] = {{0}};
         for (size_t i = 0; i < 3; i++) {
-            char whole[sizeof text + 64];
+            char whole[sizeof text + 128];
             snprintf(whole, sizeof whole, text, depths_m[i], cases[k].beams, 0.45 * depths_m[i]);
             honesty_rig r = rig_of_text(whole);
             r.pose.position_m.z += cases[k].deeper_m;
@@ -91,7 +91,7 @@ static void first_echoes_of_fans(void **state) {
                  {200, 40.6, 0.00373, 0.0231, 128, 90, 0.546, 6.48}};
     honesty_sum sums[2] = {{0}};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
-        char whole[sizeof text + 64];
+        char whole[sizeof text + 128];
         snprintf(whole, sizeof whole, text, cases[k].khz, cases[k].range_m, cases[k].sender_m,
                  cases[k].high_m, cases[k].beams, cases[k].sector_deg, cases[k].receiver_m,
                  cases[k].high_m, cases[k].depth_m);
