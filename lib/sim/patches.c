@@ -51,9 +51,7 @@
 #define EDGE_FACE_ASIDE 8.0
 /* and the square of the sum is so many times wavelength / range, at least, so that it goes evenly along a piece of the edge. */
 #define EDGE_BENT 8.0
-/* Faces that take so few parts by the side keep their area. */
-#define FEW_PARTS 4.0
-/* So do those that are less high than this many wavelengths: whether an edge is seen could not be told from inside. */
+/* Faces less high than this many wavelengths keep their area: whether an edge is seen could not be told from inside. */
 #define LEAST_HEIGHT_WL 0.25
 /* Whether that holds for a face is asked of its quarters, so many times over. */
 #define QUARTERINGS 3
@@ -268,7 +266,7 @@ static void cut_smooth(finder *f, const asdic_piece *p, double reach, double are
         longest_m = fmax(longest_m, length);
     }
     double height_m = 2.0 * area / longest_m, across = fmax(parts * height_m / longest_m, 1.0);
-    bool large = parts > FEW_PARTS && height_m > LEAST_HEIGHT_WL * f->shot->water.wavelength_m;
+    bool large = parts > 1.0 && height_m > LEAST_HEIGHT_WL * f->shot->water.wavelength_m;
     if (large && has_edges_alone(f, p, QUARTERINGS)) {
         for (int k = 0; k < 3; k++) {
             asdic_piece side = asdic_piece_side(p, k);

@@ -523,18 +523,46 @@ static void add_spot(const ping_rig *r, const asdic_vec3 *spot, const asdic_vec3
     }
 }
 
+/* Of N by N squares of two triangles; 0: a plate. */
+static asdic_mesh *mesh_of(const wall *w, uint32_t n) {
+    enum { MOST = 64 };
+    static double vertices[3 * (MOST + 1) * (MOST + 1)];
+    static uint32_t corners[6 * MOST * MOST];
+    asdic_mesh *mesh = NULL;
+    uint32_t count = 0;
+    if (n == 0) {
+        assert_ok(t.ctx, asdic_mesh_plate(t.ctx, w->wide_m, w->high_m, &mesh));
+        return mesh;
+    }
+    assert_in_range(n, 1, MOST);
+    for (uint32_t i = 0; i < (n + 1) * (n + 1); i++) {
+        vertices[3 * i + 1] = w->wide_m * ((double)(i % (n + 1)) / n - 0.5);
+        vertices[3 * i + 2] = w->high_m * ((double)(i / (n + 1)) / n - 0.5);
+    }
+    for (uint32_t i = 0; i < n * n; i++) {
+        uint32_t a = i / n * (n + 1) + i % n, b = a + n + 1;
+        const uint32_t own[6] = {a, b, a + 1, a + 1, b, b + 1};
+        for (int k = 0; k < 6; k++) {
+            corners[count++] = own[k];
+        }
+    }
+    assert_ok(t.ctx, asdic_mesh_from_triangles(t.ctx, vertices, (size_t)(n + 1) * (n + 1), corners,
+                                               2 * (size_t)n * n, &mesh));
+    return mesh;
+}
+
 /* Holds elements at both ends and in the middle against the sum over an eighth of a wavelength of the wall each, in double;
  * returns the scatterers of the ping. */
-static unsigned long long hold_wall(const wall *w, double *worst_db, double *worst) {
+static unsigned long long hold_wall(const wall *w, uint32_t squares, double *worst_db,
+                                    double *worst) {
     const double cell = WAVELENGTH_M / 8.0, water = 1e-6 * 1025.0 * 1500.0;
     const double reflection = (200.0 - water) / (200.0 + water);
     ping_rig r = long_pulse();
-    asdic_mesh *mesh = NULL;
+    asdic_mesh *mesh = mesh_of(w, squares);
     r.sonar.bandwidth_hz = 10e3;
     r.sonar.bin_length_m = 0.075;
     r.sonar.array.elements = w->elements;
     r.sampling.left_out = 1u << ASDIC_TERM_VOLUME;
-    assert_ok(t.ctx, asdic_mesh_plate(t.ctx, w->wide_m, w->high_m, &mesh));
     asdic_pose pose = {.position_m = {w->at_m.x, w->at_m.y, 7.0 + w->at_m.z},
                        .yaw_rad = w->yaw,
                        .pitch_rad = w->pitch};
@@ -605,11 +633,11 @@ static void a_wall_is_the_sum_over_its_area(void **state) {
     double worst_db = 0.0, worst = 0.0, worst_across = 0.0;
     unsigned long long most = 0;
     for (size_t i = 0; i < sizeof aside / sizeof *aside; i++) {
-        unsigned long long rays = hold_wall(&aside[i], &worst_db, &worst);
+        unsigned long long rays = hold_wall(&aside[i], 0, &worst_db, &worst);
         most = rays > most ? rays : most;
     }
     for (size_t i = 0; i < sizeof across / sizeof *across; i++) {
-        unsigned long long rays = hold_wall(&across[i], &worst_db, &worst_across);
+        unsigned long long rays = hold_wall(&across[i], 0, &worst_db, &worst_across);
         most = rays > most ? rays : most;
     }
     print_message("peaks off by %.3f dB, samples by %.4f of the peak, %.4f where a wall mirrors; "
@@ -617,6 +645,20 @@ static void a_wall_is_the_sum_over_its_area(void **state) {
                   worst_db, worst, worst_across, most);
     assert_true(worst_db < 0.05 && worst < 0.02 && worst_across < 0.1);
     assert_in_range(most, 1000, 5000);
+}
+
+/* However many triangles it is made of. */
+static void a_wall_of_many_triangles_is_as_loud(void **state) {
+    (void)state;
+    static const wall w = {2.0, 2.0, {8.0, 0.0, 0.0}, 25.0 * RIG_DEGREE, 10.0 * RIG_DEGREE, 16};
+    static const uint32_t squares[] = {1, 5, 50};
+    for (size_t i = 0; i < sizeof squares / sizeof *squares; i++) {
+        double worst_db = 0.0, worst = 0.0;
+        unsigned long long rays = hold_wall(&w, squares[i], &worst_db, &worst);
+        print_message("%u triangles, %llu scatterers: peaks off by %.3f dB, samples by %.4f\n",
+                      2 * squares[i] * squares[i], rays, worst_db, worst);
+        assert_true(worst_db < 0.05 && worst < 0.02);
+    }
 }
 
 /* A wall that goes on below the bottom is the part above it, as is one that ends there. */
@@ -662,6 +704,7 @@ int main(void) {
         cmocka_unit_test(a_wall_has_few_scatterers),
         cmocka_unit_test(a_wall_turned_away_is_as_quiet_as_it_is),
         cmocka_unit_test(a_wall_is_the_sum_over_its_area),
+        cmocka_unit_test(a_wall_of_many_triangles_is_as_loud),
         cmocka_unit_test(a_wall_ends_at_the_bottom),
         cmocka_unit_test(a_plate_has_its_lobes),
         cmocka_unit_test(a_cylinder_has_its_lobes),
