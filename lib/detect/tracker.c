@@ -256,6 +256,8 @@ const asdic_track_state *asdic_tracker_get(const asdic_tracker *tracker, size_t 
 #define ROUNDS 12
 /* Gates that are remembered from round to round: more than a track of five pings can have. */
 #define MOST_GATES 64
+/* Of more lines than this, evenly chosen ones stand for all tracks: pairs of 512 would take seconds. */
+#define MOST_OWN 64
 
 /* What the gate of a track of these variances holds of the lines, and how far aside of it that is on the mean. */
 typedef struct gate {
@@ -305,15 +307,16 @@ static gate covered(clutter *c, const asdic_kalman *f, double turned_m) {
     double most_m2 = g.along_m2 + g.across_m2 + c->plot.variance_nn_m2 + c->plot.variance_ee_m2;
     double reach_m = 0.5 * M_PI * sqrt(c->options->gate * most_m2); /* along an arc */
     double aside_m2 = 0.0;
-    for (size_t i = 0, first = 0; i < c->lines; i++) {
-        double own_m = c->east_m[i] - turned_m;
+    size_t own = c->lines < MOST_OWN ? c->lines : MOST_OWN;
+    for (size_t i = 0, first = 0; i < own; i++) {
+        double own_m = c->east_m[(2 * i + 1) * c->lines / (2 * own)] - turned_m;
         while (first < c->lines && c->east_m[first] <= own_m - reach_m) {
             first++;
         }
         for (size_t k = first; k < c->lines && c->east_m[k] < own_m + reach_m; k++) {
             double chord = chord_m(c, f, c->east_m[k] - own_m);
-            g.covered_m += chord / (double)c->lines;
-            aside_m2 += chord / (double)c->lines * (c->east_m[k] - own_m);
+            g.covered_m += chord / (double)own;
+            aside_m2 += chord / (double)own * (c->east_m[k] - own_m);
         }
     }
     g.aside_m = g.covered_m > 0.0 ? aside_m2 / g.covered_m : 0.0;

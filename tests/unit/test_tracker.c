@@ -326,6 +326,27 @@ static asdic_plot_point plot_on(double bearing, double range_m, double along2, d
                               .label = -1};
 }
 
+/* Each of 64 lines twice, with half the plots on either: of as many lines only some are looked at. */
+static void lines_that_are_many_say_the_same(void **state) {
+    (void)state;
+    enum { LINES = 64 };
+    double once[LINES], twice[2 * LINES];
+    for (size_t i = 0; i < LINES; i++) {
+        once[i] = twice[2 * i] = twice[2 * i + 1] = 0.1 * (double)i + 0.02 * (double)(i % 3);
+    }
+    asdic_tracker_options options = asdic_tracker_options_default();
+    const asdic_plot_point plot = {.variance_nn_m2 = 0.0075, .variance_ee_m2 = 0.05};
+    for (int turns = 0; turns < 2; turns++) {
+        double turn_rad = 0.01 * turns;
+        double few =
+            asdic_tracker_false_share(&options, 0.1, &plot, 0.02, once, LINES, 20.0, turn_rad);
+        double many =
+            asdic_tracker_false_share(&options, 0.1, &plot, 0.01, twice, 2 * LINES, 20.0, turn_rad);
+        assert_true(few > 1e-4);
+        assert_close(many, few, 1e-9 * few);
+    }
+}
+
 /* Plots of beams as wide as they are apart lie aslant to each other: each hears farther along the next one's line than
  * along its own. Side by side, half as many tracks or fewer were said. Those that turn confirm fewer than at rest. */
 static void beams_that_meet_confirm_more(void **state) {
@@ -393,6 +414,7 @@ int main(void) {
         cmocka_unit_test(trackers_have_limits),
         cmocka_unit_test(plots_have_limits),
         cmocka_unit_test(clutter_confirms_tracks_as_said),
+        cmocka_unit_test(lines_that_are_many_say_the_same),
         cmocka_unit_test(beams_that_meet_confirm_more),
     };
     return cmocka_run_group_tests(tests, context_begin, context_end);
