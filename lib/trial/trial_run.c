@@ -36,8 +36,8 @@
 /* What was flown up to a ping. */
 typedef struct moment {
     asdic_pilot pilot;
-    double time_s;
-    bool gave_way; /* on the way to it */
+    double time_s, way_m; /* from the beginning */
+    bool gave_way;        /* on the way to it */
 } moment;
 
 typedef struct run {
@@ -211,7 +211,7 @@ static asdic_status keep_moment(run *r) {
     if (!asdic_grow(&r->moments, r->moment_count, &r->moment_capacity, sizeof *r->moments)) {
         return asdic_fail_memory(r->ctx, "a run of a trial");
     }
-    r->moments[r->moment_count++] = (moment){r->pilot, r->time_s, r->gives_way};
+    r->moments[r->moment_count++] = (moment){r->pilot, r->time_s, r->out->distance_m, r->gives_way};
     if (r->job->track) {
         asdic_pose pose = pose_of(&r->pilot.state);
         track_point point = {.time_s = r->time_s,
@@ -326,8 +326,10 @@ static void find_cause(run *r) {
     if (!r->job->rule) { /* the same manoeuvre, from there */
         order = manoeuvre(r->plan, &from.pilot.state, r->side);
     }
-    double way_m =
-        1.5 * asdic_vec3_length(asdic_vec3_sub(position(&from.pilot), position(&r->pilot)));
+    double straight_m =
+        asdic_vec3_length(asdic_vec3_sub(position(&from.pilot), position(&r->pilot)));
+    /* Of one that turned round, farther than straight on. */
+    double way_m = fmax(1.5 * straight_m, 1.1 * (out->distance_m - from.way_m));
     out->cause = would_hit(r, &from.pilot, from.time_s, &order, way_m) ? ASDIC_TRIAL_COULD_NOT_TURN
                                                                        : ASDIC_TRIAL_SEEN_LATE;
 }

@@ -205,6 +205,19 @@ def test_the_reach_is_to_the_obstacle():
         tap.equal((found["seen late"] > 20, found["could not turn"]), (True, 0), f"{found}")
 
 
+def test_what_is_met_on_the_way_back_could_not_be_cleared():
+    """A vehicle turns round, 19.5 m off a pile, and meets the wall behind which it began, on a way of 36 m that begins 21.5 m
+    from it: the same turn, begun there, meets it as well. Half as far again as straight on was too short to say so."""
+    pile = "  - {name: pile, box: {size_m: [2, 2, 40]}, position_m: [40, 0, 10]}"
+    scene = IDEAL.replace("PD", "1, pfa: 0").replace("turn_deg: 150", "turn_deg: 180").replace("depth_m: 20", "depth_m: 200")
+    scene = scene.replace("position_m: [60, 0, 10]}", f"position_m: [-3, 0, 10]}}\n{pile}")
+    with Folder() as folder:
+        fly(folder, folder.write("back.yaml", scene), 1)
+        row, = rows(folder)
+        tap.equal((row["what"], row["cause"], float(row["seen_m"])), ("wall", "could not turn", 21.5), f"{row}")
+        tap.equal(float(row["distance_m"]) - 19.5 > 1.5 * 21.5, True, f"{row}")
+
+
 def test_a_boat_that_comes_was_seen_in_time():
     """At 8 m/s, head-on: its bow comes within the reach of 20 m between two pings and is detected at the next, 19.4 m off;
     it is met two seconds later, 3 m ahead, where nobody has turned by its half breadth of 2 m."""
