@@ -18,6 +18,10 @@
 /* Facets that turn from one to the next, of which neighbours differ by a smaller share, are of no face where their normals
  * differ by more, r.m.s., than rounding turns them: patches are sought again that are narrower by NARROWER. */
 #define ALIKE 0.5
+/* Of so few any two are neighbours, or nearly: they turn where a facet beyond them, with no edge between, turns on by no more
+ * than so many times as much, squared, as they do from one to the next. */
+#define FEW 3
+#define TURNS_ON 4.0
 #define ROUNDED 3e-5
 #define NARROWER 0.1
 #define MOST_PARTED 2
@@ -84,16 +88,16 @@ double asdic_patch_reach(const asdic_surface *s, uint32_t patch, asdic_vec3 way)
     return length > 0.0 ? asdic_patch_width(&s->patches[patch], way) / length : 0.0;
 }
 
-/* How the facets of a face lean: their normals' variance, and that of the difference of two neighbours' by what it would
- * be if each leant by itself. */
+/* How the facets of a face lean: their normals' variance, that of the difference of two neighbours' by what it would be if
+ * each leant by itself, and the least such difference, squared, of one and a facet beyond. */
 typedef struct lean {
-    double variance, unlike;
+    double variance, unlike, beyond2;
 } lean;
 
 /* The facets of QUEUE about N; neighbours are those of the patch WITHIN, or, NO_PATCH, over all edges. */
 static lean lean_of(const asdic_surface *s, const uint32_t *queue, size_t count, asdic_vec3 n,
                     uint32_t within) {
-    double variance = 0.0, apart = 0.0, pairs = 0.0;
+    double variance = 0.0, apart = 0.0, pairs = 0.0, beyond2 = INFINITY;
     for (size_t i = 0; i < count; i++) {
         const uint32_t *v = &s->vertex[3 * (size_t)queue[i]];
         asdic_vec3 own = asdic_surface_normal(s, queue[i]), off = asdic_vec3_sub(own, n);
@@ -101,19 +105,22 @@ static lean lean_of(const asdic_surface *s, const uint32_t *queue, size_t count,
         for (int k = 0; k < 3; k++) {
             int way = 0;
             uint32_t other = asdic_surface_beyond(s, queue[i], v[k], v[(k + 1) % 3], &way);
-            if (other == ASDIC_NO_FACET || (within != NO_PATCH && s->patch[other] != within)) {
+            asdic_vec3 next = other == ASDIC_NO_FACET ? own : asdic_surface_normal(s, other);
+            if (other == ASDIC_NO_FACET || asdic_vec3_dot(own, next) < s->crease_cosine) {
                 continue;
             }
-            asdic_vec3 next = asdic_surface_normal(s, other);
-            if (asdic_vec3_dot(own, next) >= s->crease_cosine) {
-                asdic_vec3 turn = asdic_vec3_sub(next, own);
-                apart += asdic_vec3_dot(turn, turn);
+            asdic_vec3 turn = asdic_vec3_sub(next, own);
+            double turn2 = asdic_vec3_dot(turn, turn);
+            if (within != NO_PATCH && s->patch[other] != within) {
+                beyond2 = fmin(beyond2, turn2);
+            } else {
+                apart += turn2;
                 pairs++;
             }
         }
     }
     double alone = 2.0 * variance * pairs;
-    return (lean){variance, alone > 0.0 ? apart / alone : 1.0};
+    return (lean){variance, alone > 0.0 ? apart / alone : 1.0, beyond2};
 }
 
 static bool same_plane(const asdic_surface *s, uint32_t seed, uint32_t facet, double most,
@@ -163,12 +170,16 @@ static size_t gather(asdic_surface *s, uint32_t seed, uint32_t number, const gro
 /* Whether the COUNT facets of the queue, of patch NUMBER, turn from one to the next, as slivers about a ball's pole do. */
 static bool turns(const asdic_surface *s, uint32_t number, const growth *g, size_t count) {
     asdic_vec3 sum = {0.0, 0.0, 0.0};
+    if (count < 2) {
+        return false;
+    }
     for (size_t i = 0; i < count; i++) {
         sum = asdic_vec3_add(sum, asdic_surface_normal(s, g->queue[i]));
     }
     sum = asdic_vec3_scale(sum, 1.0 / (double)count);
     lean l = lean_of(s, g->queue, count, sum, number);
-    return l.variance > ROUNDED * ROUNDED && l.unlike < ALIKE;
+    return count > FEW ? l.variance > ROUNDED * ROUNDED && l.unlike < ALIKE
+                       : l.beyond2 < TURNS_ON * l.unlike * 2.0 * l.variance;
 }
 
 /* The patch of SEED. One that turns is parted: its facets are looked at again, for narrower ones. */
@@ -178,7 +189,7 @@ static void grow_patch(asdic_surface *s, uint32_t seed, uint32_t number, const g
         for (size_t i = 0; i < count; i++) {
             uint32_t facet = g->queue[i];
             s->patch[facet] = NO_PATCH;
-            g->too_wide[facet]++;
+            g->too_wide[facet] += g->too_wide[facet] < MOST_PARTED;
             for (int k = 0; k < 3; k++) {
                 g->seen[s->vertex[3 * (size_t)facet + k]] = NO_PATCH;
             }

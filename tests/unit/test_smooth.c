@@ -40,7 +40,8 @@ static void a_box_stays_flat(void **state) {
 
 static void a_sphere_is_round(void **state) {
     (void)state;
-    static const unsigned segments[] = {16, 24, 96, 256, 1024}; /* slivers at the poles */
+    static const unsigned segments[] = {16,  24,  96,  142,
+                                        200, 256, 504, 1024}; /* slivers at the poles */
     for (size_t s = 0; s < sizeof segments / sizeof *segments; s++) {
         asdic_mesh *mesh;
         assert_ok(ctx, asdic_mesh_sphere(ctx, 0.5, segments[s], &mesh));
