@@ -231,6 +231,10 @@ static void alternatives_exclude_each_other(void **state) {
     expect_edit("{depth_m: 12}", "{depth_m: 12, mesh: a.ply}",
                 "2:23: error: 'depth_m' and 'mesh' exclude each other; give only one of 'depth_m', "
                 "'mesh', 'grid', 'none'  [bottom]\n");
+    /* It is not known which of the two is meant, and so not that the position has no effect. */
+    expect_edit("{depth_m: 12}", "{depth_m: 12, position_m: [0, 0, 1], mesh: a.ply}",
+                "2:46: error: 'depth_m' and 'mesh' exclude each other; give only one of 'depth_m', "
+                "'mesh', 'grid', 'none'  [bottom]\n");
     expect_edit("mission:\n", "mission:\n  track: a.csv\n",
                 "9:3: error: 'track' and 'pose' exclude each other; give only one of 'pose', "
                 "'track', 'waypoints'  [mission]\n");

@@ -330,7 +330,8 @@ static void check_bottom(const file_bottom *bottom, asdic_problems *problems) {
                            "'none' = false does not say what the bottom is; give 'depth_m', 'mesh' "
                            "or 'grid'");
     }
-    bool placed = !bottom->none && !asdic_yaml_child(node, "depth_m");
+    bool is_flat = bottom->none || asdic_yaml_child(node, "depth_m");
+    bool placed = asdic_yaml_child(node, "mesh") || asdic_yaml_child(node, "grid") || !is_flat;
     for (size_t i = 0; i < sizeof placing / sizeof *placing; i++) {
         asdic_yaml_node *child = asdic_yaml_child(node, placing[i]);
         if (child && !placed) {
