@@ -91,6 +91,7 @@ asdic_status asdic_trial_check_draws(asdic_context *ctx, const asdic_trial_optio
     TRY(check_vary(ctx, o));
     for (uint64_t run = o->first; run < o->first + o->count; run++) {
         const asdic_draw draw = {o->seed, run};
+        TRY(asdic_step(ctx, "draws", run - o->first, o->count));
         for (size_t v = 0; v < o->variants.count; v++) {
             run_settings s;
             find_settings(o, run, v, &s);

@@ -117,6 +117,18 @@ def test_a_video_stops_whose_encoder_hangs():
         tap.equal(folder.names(), ["bin", "pid", "run", "scene.yaml"])
 
 
+def test_draws_stop():
+    """A million runs or frames are drawn, for minutes, before the first is begun; nothing is there yet."""
+    program.need_device()
+    with Folder() as folder:
+        path = folder.write("scene.yaml", SCENE + "trial: {draws: [{key: mission.waypoints.speed_mps, uniform: [1, 2]}]}\n")
+        for command, count in (("trial", "--runs"), ("dataset", "-n")):
+            with begin(folder, command, path, count, "999999", "-o", "out") as child:
+                time.sleep(1)
+                tap.contains(program.stop(child, signal.SIGINT).decode(), "of 999999 draws")
+            tap.equal(folder.names(), ["scene.yaml"])
+
+
 def test_each_shows_a_bar_on_a_terminal():
     program.need_device()
     with Folder() as folder:

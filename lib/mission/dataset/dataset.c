@@ -518,6 +518,8 @@ static asdic_status check_options(asdic_context *ctx, asdic_dataset_options *o) 
 static asdic_status check_draws(const dataset *d) {
     for (size_t index = d->options.first; index < d->options.end; index++) {
         const asdic_draw draw = {d->options.seed, index};
+        TRY(asdic_step(d->ctx, "draws", index - d->options.first,
+                       d->options.end - d->options.first));
         TRY(asdic_mission_check_run(d->ctx, d->scene, NULL, 0, &draw, index == d->options.first));
     }
     return ASDIC_OK;
