@@ -67,6 +67,13 @@ int cli_leave_empty(const cli *c, const char *what, uint64_t total, const char *
     if (folder && !cli_make_folder(c, folder, &is_new)) {
         return CLI_FAILED;
     }
+    if (folder && !cli_is_left_empty(folder)) {
+        cli_error(c,
+                  "--shard %s has nothing to do and leaves an empty folder, which '%s' is not; "
+                  "remove that, or choose another by -o",
+                  cli_text(c, "shard"), folder);
+        return CLI_FAILED;
+    }
     cli_note(c, "--shard %s: nothing to do; %s to share: %llu", cli_text(c, "shard"), what,
              (unsigned long long)total);
     return CLI_OK;

@@ -71,6 +71,12 @@ def test_shards_beyond_the_pings_are_empty():
         tap.contains(done.err, "2 of 5 folders are empty and passed over")
         same(folder, "whole", "joined")
         asdic("merge", parts[0], "-o", folder / "none").check(code=3)
+        first = next(k for k, part in enumerate(parts, 1) if not os.listdir(part))
+        for there in (folder / "whole", folder.write("file", "")):  # neither is one that 'merge' passes over
+            for mode in ([], ["--force"], ["--resume"]):
+                done = asdic("run", path, "--shard", f"{first}/5", "-o", there, *mode).check(code=1)
+                tap.contains(done.err, "leaves an empty folder, which")
+        same(folder, "whole", "joined")
 
 
 def test_a_run_of_another_curve_is_not_resumed():
