@@ -72,12 +72,38 @@ static size_t bottom_step(const asdic_mission *m) {
     return (m->ping_count - 1) / MAX_TESTED_PINGS + 1;
 }
 
+static bool has_any(const asdic_yaml_node *map, const char *const *keys) {
+    while (*keys && !asdic_yaml_child(map, *keys)) {
+        keys++;
+    }
+    return *keys;
+}
+
+/* Whether a flat bottom is meant, of a depth that is known. */
+static bool is_flat(const asdic_scene_file *file) {
+    static const char *const others[] = {"mesh", "grid", "none", NULL};
+    const asdic_yaml_node *bottom = file->bottom.node;
+    return asdic_scene_node_good(asdic_yaml_child(bottom, "depth_m")) && !has_any(bottom, others);
+}
+
+/* Whether it is known where the sonar is; of one that moves also at which ping. */
+static bool knows_places(const mission_builder *b) {
+    static const char *const others[] = {"track", "waypoints", NULL};
+    const asdic_yaml_node *sonar = b->file->sonar.node, *mission = b->file->mission.node;
+    if (b->mission->track) {
+        return asdic_scene_node_good(mission) &&
+               (asdic_scene_node_good(sonar) ||
+                asdic_scene_node_good(asdic_yaml_child(sonar, "ping_rate_hz")));
+    }
+    const asdic_yaml_node *pose = asdic_yaml_child(mission, "pose");
+    return asdic_scene_node_good(asdic_yaml_child(pose, "position_m")) && !has_any(mission, others);
+}
+
 /* Of a scene that is not there, as something is wrong with it, a flat bottom's depth may yet be known. */
 static void check_depths(mission_builder *b) {
     char text[ASDIC_BELOW_BOTTOM_SIZE];
     bool is_sound = asdic_mission_is_sound(b);
-    bool is_flat = asdic_scene_node_good(asdic_yaml_child(b->file->bottom.node, "depth_m"));
-    double flat_m = is_flat && !is_sound ? b->file->bottom.depth_m : NAN;
+    double flat_m = is_sound ? NAN : b->file->bottom.depth_m;
     const asdic_mission *m = b->mission;
     const asdic_yaml_node *mission = b->file->mission.node;
     const char *kind = !m->track ? "pose" : b->file->mission.track ? "track" : "waypoints";
@@ -85,9 +111,9 @@ static void check_depths(mission_builder *b) {
     size_t step = bottom_step(m);
     size_t last = m->track ? m->ping_count : 1;
     asdic_yaml_node *position = asdic_yaml_child(node, "position_m");
-    bool is_known = asdic_scene_node_good(position ? position : node);
+    bool is_known = is_sound || (is_flat(b->file) && knows_places(b));
     node = !m->track && position ? position->last : node;
-    for (size_t i = 0; (is_sound || (is_flat && is_known)) && i < last; i += step) {
+    for (size_t i = 0; is_known && i < last; i += step) {
         if (is_below(m, i, flat_m, text)) {
             asdic_yaml_problem(b->problems, node, "%s", text);
             return;

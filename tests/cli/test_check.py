@@ -169,6 +169,22 @@ def test_draws_are_judged():
         tap.contains(done.err, words)
 
 
+def test_places_that_may_be_meant_otherwise_are_not_judged():
+    """Of a bottom that is given twice, a mission that ends at a ping not known or a rate not known it is not said that
+    the sonar is below the bottom, or at which ping."""
+    flat = MINIMAL.replace("depth_m: 12", "depth_m: 4")
+    pose, way = "pose: {position_m: [0, 0, 7]}", "waypoints: [[0, 0, 3], [30, 0, 9]]"
+    for text, words in ((flat.replace("depth_m: 4", "depth_m: 4, none: true"), "exclude each other"),
+                        (flat.replace("depth_m: 4", "mesh: {file: no.ply}, depth_m: 4"), "exclude each other"),
+                        (flat.replace(pose, pose + "\n  waypoints: [[0, 0, x], [30, 0, 9]]"), "exclude each other"),
+                        (flat.replace(pose, way + "\n  pings: 3x"), "'pings' = 3x is not a number"),
+                        (flat.replace(pose, way + "\n  ping: 3"), "did you mean 'pings'?"),
+                        (flat.replace(pose, way).replace("sonar:", "sonar:\n  ping_rte_hz: 1"), "did you mean 'ping_rate_hz'?")):
+        err = asdic("check", "-", stdin=text).check(3).err
+        tap.contains(err, words)
+        tap.lacks(err, "below the bottom")
+
+
 def test_all_files_are_looked_at():
     with folder(a_yaml="a: 1", b_obj=TETRAHEDRON, c_yaml=MINIMAL) as at:
         done = asdic("check", "a.yaml", "b.obj", "missing.yaml", "c.yaml", "--json", cwd=at)
