@@ -21,10 +21,9 @@ static bool is_whole(const char *text) {
 
 /* What a plain word says in YAML 1.1 and JSON has a word for; NULL: text. */
 static const char *word_of(const asdic_yaml_node *node) {
-    static const char *const words[][2] = {{"", "null"},     {"~", "null"},      {"null", "null"},
-                                           {"true", "true"}, {"yes", "true"},    {"on", "true"},
-                                           {"y", "true"},    {"false", "false"}, {"no", "false"},
-                                           {"off", "false"}, {"n", "false"}};
+    static const char *const words[][2] = {{"", "null"},    {"true", "true"}, {"yes", "true"},
+                                           {"on", "true"},  {"y", "true"},    {"false", "false"},
+                                           {"no", "false"}, {"off", "false"}, {"n", "false"}};
     for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
         if (strcasecmp(node->text, words[i][0]) == 0) {
             return words[i][1];
