@@ -133,7 +133,7 @@ def test_times_are_said():
         said = re.search(r"[\d.]+ s: devices ([\d.]+) s, writing ([\d.]+) s, drawing ([\d.]+) s "
                          r"\(the last two (\d+) %\)", err)
         kept = facts(folder, "r")["time_s"]
-        tap.equal(sorted(kept), ["devices", "pictures", "setup", "simulate", "whole", "write"], "keys")
+        tap.equal(sorted(kept), ["devices", "pictures", "plan", "setup", "simulate", "whole", "write"], "keys")
         for number, key in zip(said.group(1, 2, 3), ("devices", "write", "pictures")):
             tap.equal(abs(float(number) - kept[key]) < 0.006, True, key)
         share = 100 * (kept["write"] + kept["pictures"]) / kept["whole"]
@@ -643,7 +643,7 @@ def test_mistakes_have_their_exit_codes():
         for arguments in (["--rays", "3"], ["--rays", "many"], ["--sampler", "grid"],
                           ["--seed", "-1"], ["--force", "--resume"], ["--shard", "4/3"],
                           ["--shard", "1"], ["--pings", "3:2"], ["--pings", "0:7"],
-                          ["--pings", "6"], ["--shard", "1/7"], ["extra"]):
+                          ["--pings", "6"], ["--shard", "8/7"], ["extra"]):
             asdic("run", path, *arguments, "-o", folder / "r").check(code=2, out="")
         asdic("run").check(code=2)
         asdic("run", folder / "absent.yaml").check(code=3)
