@@ -6,8 +6,6 @@
 
 #include "simulator.h"
 
-#include <asdic/mission.h>
-
 #include "../../kernels/coherent.h"
 
 /* What a coherent sonar's samples and looks are. */

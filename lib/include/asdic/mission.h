@@ -318,15 +318,8 @@ typedef struct asdic_ray_forecast {
 
 ASDIC_API asdic_ray_forecast asdic_mission_ray_forecast(const asdic_mission *mission);
 
-/* What a coherent ping takes: the most of the mission's first, middle and last. */
-typedef struct asdic_coherent_forecast {
-    size_t scatterers;  /* of bottom, surface, water and objects */
-    uint64_t bytes;     /* of memory for them */
-    bool fits;          /* there is so much; else there are more scatterers than these */
-    double processor_s; /* over all cores, of an AMD EPYC with AVX-512 */
-} asdic_coherent_forecast;
-
-/* Finds the scatterers, without a device. ASDIC_ERROR_ARGUMENT if pings are of intensities. */
+/* What the mission's first, middle or last ping takes, the most of them: finds the scatterers,
+ * without a device. ASDIC_ERROR_ARGUMENT if pings are of intensities. */
 ASDIC_API asdic_status asdic_mission_forecast_coherent(asdic_context *ctx,
                                                        const asdic_mission *mission,
                                                        asdic_coherent_forecast *out);

@@ -231,6 +231,14 @@ ASDIC_API const char *asdic_phase_name(asdic_phase phase); /* "sample"; never NU
 ASDIC_API asdic_status asdic_simulator_profile(asdic_simulator *sim, const asdic_pose *pose,
                                                uint64_t index, asdic_ping *ping, double *seconds);
 
+/* What a coherent ping takes. */
+typedef struct asdic_coherent_forecast {
+    size_t scatterers;  /* of bottom, surface, water and objects */
+    uint64_t bytes;     /* of memory for them */
+    bool fits;          /* there is so much; else there are more scatterers than these */
+    double processor_s; /* over all cores, of an AMD EPYC with AVX-512 */
+} asdic_coherent_forecast;
+
 #ifdef __cplusplus
 }
 #endif
