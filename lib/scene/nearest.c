@@ -16,7 +16,8 @@ typedef struct search {
     double lo[3], hi[3]; /* box round the segment */
     bool looks;          /* from the segment's beginning along it, for ONLY one part: */
     size_t only;
-    double cosine; /* of the angle within which it looks */
+    asdic_vec3 u;  /* that way, a unit vector, */
+    double cosine; /* and of the angle within which it looks */
     asdic_nearest best;
 } search;
 
@@ -83,16 +84,21 @@ static double triangle2(asdic_vec3 a, asdic_vec3 b, const asdic_vec3 v[3]) {
     return best;
 }
 
-/* Whether P, as seen from where S looks from along the unit vector U, is within its sector. */
-static bool is_ahead(const search *s, asdic_vec3 u, asdic_vec3 p) {
+static asdic_vec3 direction(asdic_vec3 from, asdic_vec3 to) {
+    asdic_vec3 along = asdic_vec3_sub(to, from);
+    return asdic_vec3_scale(along, 1.0 / asdic_vec3_length(along));
+}
+
+/* Whether P, as seen from where S looks from, is within its sector. */
+static bool is_ahead(const search *s, asdic_vec3 p) {
     double far = asdic_vec3_length(p);
-    return asdic_vec3_dot(p, u) >= s->cosine * far - 1e-9 * far;
+    return asdic_vec3_dot(p, s->u) >= s->cosine * far - 1e-9 * far;
 }
 
 /* Squared, to the nearest that the segment P + t E has ahead, which is its nearest of all or where it enters the sector:
  * where (p . u)^2 = cos^2 p . p. */
-static double edge_ahead2(const search *s, asdic_vec3 u, asdic_vec3 p, asdic_vec3 e) {
-    double pu = asdic_vec3_dot(p, u), eu = asdic_vec3_dot(e, u), c2 = s->cosine * s->cosine;
+static double edge_ahead2(const search *s, asdic_vec3 p, asdic_vec3 e) {
+    double pu = asdic_vec3_dot(p, s->u), eu = asdic_vec3_dot(e, s->u), c2 = s->cosine * s->cosine;
     double ee = asdic_vec3_dot(e, e), pe = asdic_vec3_dot(p, e), pp = asdic_vec3_dot(p, p);
     double a = eu * eu - c2 * ee, b = pu * eu - c2 * pe, c = pu * pu - c2 * pp;
     double root = sqrt(fmax(b * b - a * c, 0.0)), best = INFINITY;
@@ -100,7 +106,7 @@ static double edge_ahead2(const search *s, asdic_vec3 u, asdic_vec3 p, asdic_vec
     const double t[5] = {0.0, 1.0, -pe / ee, q / a, c / q};
     for (int i = 0; i < 5; i++) {
         asdic_vec3 x = at(p, e, t[i]);
-        if (t[i] >= 0.0 && t[i] <= 1.0 && is_ahead(s, u, x)) {
+        if (t[i] >= 0.0 && t[i] <= 1.0 && is_ahead(s, x)) {
             best = fmin(best, asdic_vec3_dot(x, x));
         }
     }
@@ -110,9 +116,8 @@ static double edge_ahead2(const search *s, asdic_vec3 u, asdic_vec3 p, asdic_vec
 /* Squared, to the nearest that the triangle V has ahead: the foot of the perpendicular, or where the side of the
  * sector that leans most to it meets the triangle, or at an edge. */
 static double ahead2(const search *s, const asdic_vec3 v[3]) {
-    asdic_vec3 along = asdic_vec3_sub(s->b, s->a);
-    asdic_vec3 u = asdic_vec3_scale(along, 1.0 / asdic_vec3_length(along));
-    asdic_vec3 n = asdic_vec3_cross(asdic_vec3_sub(v[1], v[0]), asdic_vec3_sub(v[2], v[0]));
+    asdic_vec3 u = s->u,
+               n = asdic_vec3_cross(asdic_vec3_sub(v[1], v[0]), asdic_vec3_sub(v[2], v[0]));
     double size2 = asdic_vec3_dot(n, n), best = INFINITY;
     double h = asdic_vec3_dot(asdic_vec3_sub(v[0], s->a), n); /* times the length of N */
     asdic_vec3 aside = asdic_vec3_sub(n, asdic_vec3_scale(u, asdic_vec3_dot(n, u)));
@@ -120,16 +125,16 @@ static double ahead2(const search *s, const asdic_vec3 v[3]) {
     asdic_vec3 foot = asdic_vec3_scale(n, h / size2);
     asdic_vec3 side = asdic_vec3_add(asdic_vec3_scale(u, s->cosine),
                                      asdic_vec3_scale(aside, copysign(sine, h) / lean));
-    asdic_vec3 x = size2 > 0.0 && is_ahead(s, u, foot)
+    asdic_vec3 x = size2 > 0.0 && is_ahead(s, foot)
                        ? foot
                        : asdic_vec3_scale(side, h / asdic_vec3_dot(side, n));
-    if (size2 > 0.0 && isfinite(asdic_vec3_length(x)) && is_ahead(s, u, x) &&
+    if (size2 > 0.0 && isfinite(asdic_vec3_length(x)) && is_ahead(s, x) &&
         is_over(v, n, asdic_vec3_add(s->a, x))) {
         best = asdic_vec3_dot(x, x);
     }
     for (int i = 0; i < 3; i++) {
         asdic_vec3 edge = asdic_vec3_sub(v[(i + 1) % 3], v[i]);
-        best = fmin(best, edge_ahead2(s, u, asdic_vec3_sub(v[i], s->a), edge));
+        best = fmin(best, edge_ahead2(s, asdic_vec3_sub(v[i], s->a), edge));
     }
     return best;
 }
@@ -191,6 +196,7 @@ static void search_along(search *s, const asdic_way *way, uint32_t word) {
     }
     s->a = asdic_vec3_sub(way->from_m, s->placement->origin_m);
     s->b = asdic_vec3_sub(way->to_m, s->placement->origin_m);
+    s->u = s->looks ? direction(s->a, s->b) : s->u;
     const double a[3] = {s->a.x, s->a.y, s->a.z}, b[3] = {s->b.x, s->b.y, s->b.z};
     for (int k = 0; k < 3; k++) {
         s->lo[k] = fmin(a[k], b[k]);
@@ -243,10 +249,9 @@ double asdic_placement_ahead(const asdic_placement *placement, size_t part, cons
     if (part >= scene->part_count) {
         size_t i = part - scene->part_count;
         const asdic_way *way = moving ? &moving[movables + i] : look;
-        asdic_vec3 along = asdic_vec3_sub(way->to_m, way->from_m);
         asdic_vec3 p = asdic_vec3_sub(placement->points[i].position_m, way->from_m);
-        asdic_vec3 u = asdic_vec3_scale(along, 1.0 / asdic_vec3_length(along));
-        return is_ahead(&s, u, p) ? asdic_vec3_length(p) : INFINITY;
+        s.u = direction(way->from_m, way->to_m);
+        return is_ahead(&s, p) ? asdic_vec3_length(p) : INFINITY;
     }
     search_all(&s, look, moving);
     return s.best.distance_m;
