@@ -37,11 +37,10 @@
 typedef struct dev_patch {
     /* Scene frame. Of a point: corner, and in edge1 what single precision leaves of it. Of a shell of water: by range, m, and by
      * the azimuth about the transmitter, rad, corner where it begins and edge1 how far it goes; in corner[2] how tall, in
-     * wavelengths, what hears it is. Of an edge: edge1 runs
-     * along it, edge2 from its corner to the middle of the face. */
+     * wavelengths, what hears it is. Of an edge: edge1 runs along it, edge2 from its corner to the middle of the face. */
     float corner[3], edge1[3], edge2[3];
-    float
-        share; /* of each scatterer: m2; of an edge m; sr m of a shell; of a point its target strength, m2 */
+    /* Of each scatterer: m2; of an edge m; of a shell sr m; of a point its target strength, m2. */
+    float share;
     dev_uint first, count;
     dev_uint triangle; /* ~0u: none */
     dev_uint kind;     /* DEV_KIND_* */

@@ -1,10 +1,9 @@
 /*
  * Primitives, centred at the origin, facets wound counter-clockwise seen from outside.
  */
+#include "mesh_build.h"
 
 #include "base/try.h"
-
-#include "mesh_build.h"
 
 #include "../base/context.h"
 #include "../base/vec.h"

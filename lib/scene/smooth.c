@@ -2,10 +2,10 @@
 
 #include "base/try.h"
 
-#include "surface.h"
 #include "crease.h"
 #include "fold.h"
 #include "moving.h"
+#include "surface.h"
 
 #include "laws/scatterer.h"
 
