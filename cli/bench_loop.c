@@ -36,7 +36,8 @@ typedef struct figures {
 static void sleep_until(double at_s) {
     double left_s = at_s - cli_clock_s();
     if (left_s > 0.0) {
-        struct timespec pause = {(time_t)left_s, (long)(1e9 * (left_s - floor(left_s)))};
+        double whole_s, part_s = modf(left_s, &whole_s);
+        struct timespec pause = {(time_t)whole_s, (long)(1e9 * part_s)};
         nanosleep(&pause, NULL);
     }
 }

@@ -267,7 +267,12 @@ def test_mistakes_have_their_exit_codes():
     asdic("bench", "rain").check(code=2, out="")
     asdic("bench", "honest").check(code=2, out="")
     asdic("bench", "rays", "--threads", "0").check(code=2, out="")
-    asdic("bench", "rays", "--picture", "x.png").check(code=2, out="")
+    for kind in "error", "honest", "loop", "pings", "rays":
+        for option, value, said, takes_it in (
+                ("--picture", "x.png", f"'bench {kind}' draws nothing; -o writes a table", ("error", "pings")),
+                ("--kernel", "scalar", f"--kernel is of rays alone; 'bench {kind}' times what a ping takes", ("rays",))):
+            if kind not in takes_it:
+                tap.contains(asdic("bench", kind, option, value, "x.yaml").check(code=2, out="").err, said)
     done = asdic("bench", "error", "--picture", "x.png", *["nowhere.yaml"] * 9).check(code=2, out="")
     tap.contains(done.err, "a picture shows 8 scenes at most, not 9")
     program.need_device()

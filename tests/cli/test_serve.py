@@ -7,6 +7,7 @@ import signal
 import struct
 import subprocess
 import sys
+import time
 
 import program
 import tap
@@ -278,8 +279,10 @@ def test_answers_are_flushed_and_signals_end_it():
         with talk(folder) as server:
             print("0,0,0,7,0,0,0", file=server.stdin, flush=True)
             tap.equal(json.loads(server.stdout.readline())["ping"], 0)  # while the input is open
+            print("0,0", end="", file=server.stdin, flush=True)
+            time.sleep(0.2)  # half a line is there, which is no line when it ends
             server.send_signal(signal.SIGINT)
-            tap.equal(server.wait(timeout=20), 130)
+            tap.equal((server.wait(timeout=20), server.stdout.read()), (130, ""))
         with talk(folder) as server:
             server.stdout.close()
             print("0,0,0,7,0,0,0", file=server.stdin, flush=True)

@@ -3,6 +3,7 @@
 #include "asserts.h"
 
 #include "cli/bench_error.h"
+#include "cli/bench_pings.h"
 #include "cli/bench_rays.h"
 #include "cli/cli_state.h"
 #include "cli/progress.h"
@@ -11,6 +12,7 @@
 
 #include <errno.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -517,8 +519,18 @@ asdic_status __wrap_bench_scene_open(const bench *b, size_t index, const bench_e
                                      bench_scene *out) {
     (void)b;
     (void)effort;
-    *out = (bench_scene){.sonar = asdic_sonar_default()};
+    *out = (bench_scene){.sonar = asdic_sonar_default(),
+                         .beams = 1,
+                         .bins = 5,
+                         .first_bin = 1,
+                         .reference_lin = calloc(5, sizeof(double)),
+                         .spread_lin = calloc(5, sizeof(double)),
+                         .spread_db = 0.25};
     snprintf(out->name, sizeof out->name, "scene %zu", index);
+    for (size_t i = 0; i < 5; i++) {
+        out->reference_lin[i] = 1.0;
+    }
+    out->spread_lin[1] = 0.1;
     return ASDIC_OK;
 }
 
@@ -535,9 +547,13 @@ asdic_status __wrap_bench_curve_measure(const bench *b, const bench_scene *scene
     return ASDIC_OK;
 }
 
+/* The last rows, of as many numbers as a bench of pings has. */
+static bench_cell added[3][11 + ASDIC_PHASE_COUNT];
+static size_t added_columns, added_rows;
+
 void __wrap_bench_add(bench *b, const bench_cell *cells) {
     (void)b;
-    (void)cells;
+    memcpy(added[added_rows++ % 3], cells, added_columns * sizeof *cells);
 }
 
 /* A colour for each sampler, a line for each scene, of which there are four: the fifth has the first one's. The
@@ -664,6 +680,193 @@ static void rays_of_a_cone_fill_it(void **state) {
     }
 }
 
+/* Bits of x, y and z in turn, the highest first (Morton 1966), of 16 each. */
+static uint64_t order_of(const asdic_ray *ray) {
+    uint64_t order = 0;
+    for (int bit = 16; bit-- > 0;) {
+        for (int k = 2; k >= 0; k--) {
+            uint64_t cell = (uint64_t)((0.5 * (double)ray->direction[k] + 0.5) * 65535.0);
+            order = order << 1 | (cell >> bit & 1);
+        }
+    }
+    return order;
+}
+
+static void rays_have_an_order_of_directions(void **state) {
+    (void)state;
+    enum { RAYS = 4096 };
+    static asdic_ray rays[RAYS];
+    const bench_ray_scene s = {.towards = {0.48f, 0.6f, 0.64f}};
+    for (int set = 0; set < BENCH_RAY_SETS; set++) {
+        size_t steps_back = 0;
+        bench_rays_fill((bench_ray_set)set, &s, rays, RAYS);
+        for (size_t i = 1; i < RAYS; i++) {
+            steps_back += order_of(&rays[i]) < order_of(&rays[i - 1]);
+        }
+        assert_true(set == BENCH_SPHERE_RANDOM ? steps_back > RAYS / 3 : steps_back == 0);
+    }
+}
+
+/* 1 km to a side, rows of vertices from west to east, 200 m deep where the first ping is; h(0, 0) is the sum over k < 9
+ * of 12 sin(k) / 2^k, from a geometric series. */
+static void a_floor_is_a_square_kilometre(void **state) {
+    (void)state;
+    asdic_context *ctx;
+    asdic_scene *scene;
+    assert_int_equal(asdic_context_create(&ctx), ASDIC_OK);
+    assert_int_equal(bench_terrain(ctx, 200, 1, &scene), ASDIC_OK);
+    assert_int_equal(asdic_scene_get_info(scene).triangles, 200);
+    double at_first = bench_height_m(-400.0, 0.0);
+    for (int i = -5; i <= 5; i++) {
+        for (int k = -5; k <= 5; k++) {
+            double x = 99.9999 * i, y = 99.9999 * k; /* vertices, but for what meets no edge */
+            double depth = asdic_scene_altitude_m(scene, (asdic_vec3){x, y, 0.0});
+            assert_close(depth, 200.0 - bench_height_m(x, y) + at_first, 1e-3);
+        }
+    }
+    for (int k = 0; k < 4; k++) {
+        double x = k < 2 ? 501.0 - 1002.0 * k : 0.0, y = k < 2 ? 0.0 : 501.0 - 1002.0 * (k - 2);
+        assert_false(isfinite(asdic_scene_altitude_m(scene, (asdic_vec3){x, y, 0.0})));
+    }
+    double half_9 = pow(0.5, 9.0), real = 1.0 - 0.5 * cos(1.0), imaginary = -0.5 * sin(1.0);
+    double top_real = 1.0 - half_9 * cos(9.0), top_imaginary = -half_9 * sin(9.0);
+    double sum =
+        (top_imaginary * real - top_real * imaginary) / (real * real + imaginary * imaginary);
+    assert_close(bench_height_m(0.0, 0.0), 12.0 * sum, 1e-9);
+    asdic_scene_destroy(&scene);
+    asdic_context_destroy(&ctx);
+}
+
+/* A mission learns once a block of pings. */
+static void a_rate_is_told_as_measured(void **state) {
+    (void)state;
+    bench b = {.json = true};
+    bench_rate rate = {.triangles = 2,
+                       .beams = 3,
+                       .bins = 4,
+                       .rays = 5,
+                       .units = 6,
+                       .build_s = 7,
+                       .create_s = 8,
+                       .first_s = 9,
+                       .ping_s = 0.25};
+    const double want[] = {0, 2, 3, 4, 5, 6, 4, 2, 8, 9, 7, 10, 11, 12, 13, 14, 15, 16};
+    rate.learn_s = 0.25 * ASDIC_LEARN_BLOCK;
+    for (int p = 0; p < ASDIC_PHASE_COUNT; p++) {
+        rate.phase_s[p] = 10 + p;
+    }
+    added_columns = sizeof *added / sizeof **added;
+    added_rows = 0;
+    bench_pings_add(&b, "floor", &rate);
+    assert_int_equal(added_rows, 1);
+    assert_string_equal(added[0][0].text, "floor");
+    for (size_t i = 1; i < sizeof want / sizeof *want; i++) {
+        assert_null(added[0][i].text);
+        assert_close_relative(added[0][i].number, want[i], 1e-12);
+    }
+    size_t columns = 0;
+    while (bench_pings_columns[columns].key) {
+        columns++;
+    }
+    assert_int_equal(columns, sizeof want / sizeof *want);
+}
+
+static asdic_sampling sampling;
+static uint64_t pings_shot;
+
+asdic_sampling *__wrap_asdic_mission_sampling(asdic_mission *mission);
+asdic_status __wrap_bench_scene_simulator(const bench *b, const bench_scene *s,
+                                          const asdic_sampling *of, asdic_simulator **sim,
+                                          asdic_ping **out);
+asdic_status __wrap_asdic_simulator_learn(asdic_simulator *sim, const asdic_pose *pose,
+                                          uint64_t index);
+asdic_status __wrap_asdic_simulator_ping(asdic_simulator *sim, const asdic_pose *pose,
+                                         uint64_t index, asdic_ping *out);
+
+asdic_sampling *__wrap_asdic_mission_sampling(asdic_mission *mission) {
+    (void)mission;
+    return &sampling;
+}
+
+/* Errors are stated by the seed. */
+asdic_status __wrap_bench_scene_simulator(const bench *b, const bench_scene *s,
+                                          const asdic_sampling *of, asdic_simulator **sim,
+                                          asdic_ping **out) {
+    *sim = NULL;
+    assert_int_equal(of->sampler, ASDIC_SAMPLER_ADAPTIVE);
+    assert_int_equal(asdic_ping_create(cli_context(b->c), s->beams, s->bins, out), ASDIC_OK);
+    for (size_t i = 0; i < s->bins; i++) {
+        (*out)->stderr_db[i] = (float)(of->seed - 6);
+    }
+    return ASDIC_OK;
+}
+
+asdic_status __wrap_asdic_simulator_learn(asdic_simulator *sim, const asdic_pose *pose,
+                                          uint64_t index) {
+    (void)sim;
+    (void)pose;
+    assert_int_equal(index, 0);
+    return ASDIC_OK;
+}
+
+/* A bin too near, one of objects 10 dB too high, one 10 dB too low, one of which half is, an empty one. */
+asdic_status __wrap_asdic_simulator_ping(asdic_simulator *sim, const asdic_pose *pose,
+                                         uint64_t index, asdic_ping *out) {
+    static const double total[] = {50, 10, 0.1, 1, 0}, object[] = {50, 4, 0.03, 0.5, 0},
+                        multipath[] = {0, 3, 0.03, 0, 0};
+    (void)sim;
+    (void)pose;
+    assert_int_equal(index, pings_shot++ % 8);
+    memcpy(out->intensity_lin[ASDIC_TOTAL], total, sizeof total);
+    memcpy(out->intensity_lin[ASDIC_OBJECT], object, sizeof object);
+    memcpy(out->intensity_lin[ASDIC_MULTIPATH], multipath, sizeof multipath);
+    return ASDIC_OK;
+}
+
+/* Errors of 10, 10 and 0 dB beside 1, 2 and 3 dB by seed; the truth of the first bin is known to 10 lg(e) 0.1 dB. */
+static void stated_errors_are_compared_with_true_ones(void **state) {
+    (void)state;
+    const double known2 = pow(1.0 / log(10.0), 2.0);
+    cli c = {.operand_count = 2};
+    bench b = {.c = &c, .json = true};
+    double all = 0.0, objects = 0.0;
+    assert_int_equal(asdic_context_create(&c.ctx), ASDIC_OK);
+    sampling = (asdic_sampling){.rays = 77, .seed = 7};
+    added_columns = 12;
+    added_rows = pings_shot = 0;
+    assert_int_equal(bench_honest(&b), ASDIC_OK);
+    assert_int_equal(added_rows, 3);
+    assert_int_equal(pings_shot, 3 * 8);
+    for (int seed = 0; seed < 3; seed++) {
+        double stated = 1.0 + seed,
+               ruled = 100 / (stated * stated + known2) + 100 / (stated * stated);
+        all += ruled / 9;
+        objects += ruled / 6;
+    }
+    for (int seed = 0; seed < 3; seed++) {
+        double stated = 1.0 + seed,
+               ruled = 100 / (stated * stated + known2) + 100 / (stated * stated);
+        int beyond = (100 > 25 * (stated * stated + known2)) + (100 > 25 * stated * stated);
+        const double want[] = {0,
+                               1,
+                               5,
+                               77,
+                               seed,
+                               sqrt(ruled / 3),
+                               sqrt(all),
+                               sqrt(objects),
+                               beyond / 3.0,
+                               sqrt(200.0 / 3),
+                               stated,
+                               0.25};
+        assert_string_equal(added[seed][0].text, "scene 0");
+        for (size_t i = 1; i < sizeof want / sizeof *want; i++) {
+            assert_close(added[seed][i].number, want[i], 1e-9);
+        }
+    }
+    asdic_context_destroy(&c.ctx);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(values_have_an_order),
@@ -685,6 +888,10 @@ int main(void) {
         cmocka_unit_test(one_decibel_is_crossed_last),
         cmocka_unit_test(references_have_the_rays_that_are_promised),
         cmocka_unit_test(rays_of_a_cone_fill_it),
+        cmocka_unit_test(rays_have_an_order_of_directions),
+        cmocka_unit_test(a_floor_is_a_square_kilometre),
+        cmocka_unit_test(a_rate_is_told_as_measured),
+        cmocka_unit_test(stated_errors_are_compared_with_true_ones),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
