@@ -62,7 +62,7 @@ static void set_paint(asdic_canvas *c, uint32_t rgb, double alpha) {
 static void stroke_over(asdic_canvas *c, uint32_t rgb, double width, bool dashed) {
     const double dashes[2] = {8.0, 6.0};
     cairo_set_line_join(c->cr, CAIRO_LINE_JOIN_ROUND);
-    set_paint(c, 0xffffff, 0.7);
+    set_paint(c, ASDIC_PAPER_RGB, 0.7);
     cairo_set_line_width(c->cr, width + 1.8);
     cairo_stroke_preserve(c->cr);
     cairo_set_dash(c->cr, dashes, dashed ? 2 : 0, 0.0);
@@ -99,7 +99,7 @@ static void draw_outline(asdic_canvas *c, const page *p, const asdic_outline *o)
         trace(c, p, o->north_m, o->east_m, o->count);
         cairo_close_path(c->cr);
     }
-    set_paint(c, 0xffffff, 0.55);
+    set_paint(c, ASDIC_PAPER_RGB, 0.55);
     cairo_fill_preserve(c->cr);
     asdic_canvas_color(c, ASDIC_CHART_OBJECT_RGB);
     cairo_set_line_width(c->cr, 1.4);
@@ -117,7 +117,7 @@ static void draw_route(asdic_canvas *c, const page *p, const asdic_route *route)
     cairo_new_path(c->cr);
     cairo_arc(c->cr, asdic_chart_x(p, route->points[0].east_m),
               asdic_chart_y(p, route->points[0].north_m), 3.5, 0.0, 2.0 * ASDIC_PI);
-    set_paint(c, 0xffffff, 1.0);
+    set_paint(c, ASDIC_PAPER_RGB, 1.0);
     cairo_fill_preserve(c->cr);
     stroke_over(c, ASDIC_CHART_OBJECT_RGB, 1.4, false);
 }
@@ -174,7 +174,7 @@ static void draw_name(labels *l, double x, double y, double gap_px, const char *
                           fmin(fmax(y, box.y), box.y + box.h));
             stroke_over(c, ASDIC_INK_RGB, 1.0, false);
         }
-        set_paint(c, 0xffffff, 0.8);
+        set_paint(c, ASDIC_PAPER_RGB, 0.8);
         cairo_rectangle(c->cr, box.x, box.y, box.w, box.h);
         cairo_fill(c->cr);
         asdic_canvas_color(c, ASDIC_INK_RGB);
@@ -261,7 +261,7 @@ static void draw_track(labels *l, const asdic_chart *chart) {
         stroke_over(c, ASDIC_CHART_TRACK_RGB, 2.5, false);
         cairo_new_path(c->cr);
         cairo_arc(c->cr, x0, y0, 5.0, 0.0, 2.0 * ASDIC_PI);
-        set_paint(c, 0xffffff, 1.0);
+        set_paint(c, ASDIC_PAPER_RGB, 1.0);
         cairo_fill_preserve(c->cr);
         stroke_over(c, ASDIC_CHART_TRACK_RGB, 2.5, false);
     }
@@ -295,7 +295,7 @@ static asdic_box draw_scale(asdic_canvas *c, const page *p) {
     asdic_axis_label(number, length_m, length_m);
     snprintf(label, sizeof label, "%s m", number);
     asdic_box ground = {x - 10.0, y - 30.0, wide + 20.0, 40.0};
-    set_paint(c, 0xffffff, 0.8);
+    set_paint(c, ASDIC_PAPER_RGB, 0.8);
     cairo_rectangle(c->cr, ground.x, ground.y, ground.w, ground.h);
     cairo_fill(c->cr);
     asdic_canvas_color(c, ASDIC_INK_RGB);
@@ -314,7 +314,7 @@ static asdic_box draw_scale(asdic_canvas *c, const page *p) {
 static asdic_box draw_north(asdic_canvas *c, const page *p) {
     double x = p->box.x + p->box.w - 32.0, y = p->box.y + 42.0;
     asdic_box ground = {x - 20.0, y - 34.0, 40.0, 76.0};
-    set_paint(c, 0xffffff, 0.8);
+    set_paint(c, ASDIC_PAPER_RGB, 0.8);
     cairo_rectangle(c->cr, ground.x, ground.y, ground.w, ground.h);
     cairo_fill(c->cr);
     asdic_canvas_color(c, ASDIC_INK_RGB);

@@ -443,6 +443,23 @@ static void routes_begin_with_a_ring(void **state) {
         const uint8_t *at = rgb + 3 * (y * width + x);
         assert_int_equal(at[0] == 255 && at[1] == 255 && at[2] == 255, i == 0);
     }
+    /* Dashes of 8 pixels and gaps of 6, to the way's end. */
+    double from[2] = {asdic_chart_x(&page, points[1].east_m),
+                      asdic_chart_y(&page, points[1].north_m)};
+    double along[2] = {asdic_chart_x(&page, points[2].east_m) - from[0],
+                       asdic_chart_y(&page, points[2].north_m) - from[1]};
+    double length = hypot(along[0], along[1]), begin[64];
+    size_t begins = 0;
+    for (double step = 0, was = 0, is; step < length; step++, was = is) {
+        size_t x = (size_t)(from[0] + along[0] * step / length);
+        size_t y = (size_t)(from[1] + along[1] * step / length);
+        is = rgb[3 * (y * width + x) + 1] < 200;
+        if (is > was) {
+            begin[begins++ % 64] = step;
+        }
+    }
+    assert_in_range(begins, 8, 64);
+    assert_close((begin[begins - 1] - begin[begins - 8]) / 7.0, 14.0, 0.5);
     free(rgb);
 }
 

@@ -245,6 +245,26 @@ static void choices_and_objects_have_limits(void **state) {
                      ASDIC_ERROR_ARGUMENT);
 }
 
+/* Rays and seeds alone are others in a run than in its text. */
+static void what_a_text_does_not_say_is_not_run(void **state) {
+    workshop *w = *state;
+    asdic_mission *m = load_text(w, SCENE FLAT POSE);
+    assert_non_null(m);
+    const asdic_choices said = asdic_mission_get_choices(m);
+    for (int i = 0; i < 6; i++) {
+        asdic_choices choices = said;
+        choices.wind_speed_kn += i == 1 ? 1.0 : 0.0;
+        choices.source_level_db += i == 2 ? 1.0 : 0.0;
+        choices.bottom = i == 3 ? asdic_material_bottom(2.0) : said.bottom;
+        choices.rays += i == 4;
+        choices.seed += i == 5;
+        assert_ok(w->ctx, asdic_mission_choose(w->ctx, m, &choices));
+        assert_int_equal(asdic_mission_run(w->ctx, m, NULL, 0, NULL),
+                         i >= 1 && i <= 3 ? ASDIC_ERROR_UNSUPPORTED : ASDIC_ERROR_ARGUMENT);
+    }
+    asdic_mission_destroy(&m);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_wrong_row_of_every_file_is_told_of),
@@ -253,6 +273,7 @@ int main(void) {
         cmocka_unit_test(inputs_have_one_hash),
         cmocka_unit_test(files_that_a_scene_names_are_hashed),
         cmocka_unit_test(choices_and_objects_have_limits),
+        cmocka_unit_test(what_a_text_does_not_say_is_not_run),
     };
     return cmocka_run_group_tests(tests, begin, end);
 }

@@ -78,9 +78,9 @@ static void overview_gain_is_of_its_bins(void **state) {
 /* Whole tens about what is shown, ten at least, and some where nothing is. */
 static void overview_has_room_for_its_levels(void **state) {
     (void)state;
-    static const double cases[][4] = {{NAN, NAN, 0, 10},    {-37, NAN, -40, -30},
-                                      {-40, -40, -40, -30}, {-41, 12, -50, 20},
-                                      {NAN, 20, 20, 30},    {-0.5, 0.5, -10, 10}};
+    static const double cases[][4] = {
+        {NAN, NAN, 0, 10}, {-37, NAN, -40, -30}, {-40, -40, -40, -30},  {-41, 12, -50, 20},
+        {NAN, 20, 20, 30}, {-0.5, 0.5, -10, 10}, {-101, 105, -110, 110}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         double shown_db[2] = {cases[i][0], cases[i][1]}, low_db, high_db;
         asdic_overview o = {.rows = 1, .columns = 2, .shown_db = shown_db};

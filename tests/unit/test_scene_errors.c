@@ -140,6 +140,12 @@ static void words_and_booleans(void **state) {
     expect_edit("mission:", "surface: {enabled: 'true'}\nmission:",
                 "7:20: error: 'enabled' = \"true\" is text, not true or false; leave out the "
                 "quotes  [surface.enabled]\n");
+    expect_edit("mission:", "surface: {enabled: \"no\"}\nmission:",
+                "7:20: error: 'enabled' = \"no\" is text, not true or false; leave out the quotes  "
+                "[surface.enabled]\n");
+    expect_edit("mission:", "surface: {enabled: 'maybe'}\nmission:",
+                "7:20: error: 'enabled' = \"maybe\" is text, not true or false  "
+                "[surface.enabled]\n");
     const char *fine[] = {"yes", "No", "ON", "off", "n", "Y", "TRUE", "False"};
     for (size_t i = 0; i < sizeof fine / sizeof *fine; i++) {
         char to[64];
@@ -384,6 +390,24 @@ static void keys_must_fit_together(void **state) {
                 "m/s at the surface to 1300 m/s at a depth of 10 m; the bottom is at 12 m: give a "
                 "'sound_speed_profile' that ends where the gradient does  "
                 "[environment.sound_speed_gradient_per_s]\n");
+    /* At 7 m sound is at 1430 m/s: 71 whole bins of 1 m before the next ping. */
+    expect_edit("bottom: {depth_m: 12}\nsonar:\n",
+                "environment: {sound_speed_mps: 1500, sound_speed_gradient_per_s: -10}\n"
+                "bottom: none\nsonar:\n  bin_length_m: 1\n",
+                "2:66: error: 'sound_speed_gradient_per_s' = -10 takes the sound speed of 1500 "
+                "m/s at the surface to 1300 m/s at a depth of 20 m; without a bottom rays go down "
+                "to 78 m: give a 'sound_speed_profile' that ends where the gradient does  "
+                "[environment.sound_speed_gradient_per_s]\n");
+    /* Bins are not counted of a range that is not known. */
+    expect_edit("100\n", "100\n  ping_rate_hz: fast\n  bin_length_m: 0.001\n",
+                "5:17: error: 'ping_rate_hz' = fast is not a number; give a number in "
+                "[0.01, 1000] Hz  [sonar.ping_rate_hz]\n");
+    expect_edit(
+        "bottom: {depth_m: 12}\nsonar:\n",
+        "environment: {sound_speed_mps: fast}\n"
+        "bottom: {depth_m: 12}\nsonar:\n  bin_length_m: 0.001\n",
+        "2:32: error: 'sound_speed_mps' = fast is not a number; give a number in [1300, 1700] m/s  "
+        "[environment.sound_speed_mps]\n");
     expect_edit("100\n", "100\n  bandwidth_khz: 201\n",
                 "5:18: error: 'bandwidth_khz' = 201 is more than twice 'frequency_khz' = 100; the "
                 "band would begin below zero  [sonar.bandwidth_khz]\n");

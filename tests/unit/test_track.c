@@ -7,6 +7,7 @@
 #include "base/text.h"
 #include "mission/track/track.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <unistd.h>
@@ -326,6 +327,15 @@ static void angles_stay_in_the_tracks_range(void **state) {
     }
 }
 
+/* What a file holds of an angle is read as that angle; none is -0. */
+static void angles_are_whole_nanodegrees(void **state) {
+    (void)state;
+    assert_true(asdic_track_round(12.3456789012345 * DEG) == 12.345678901 * DEG);
+    assert_true(asdic_track_round(-179.9999999996 * DEG) == -180.0 * DEG);
+    assert_false(signbit(asdic_track_round(-0.0)));
+    assert_false(signbit(asdic_track_round(-1e-12)));
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(points_are_joined_by_straight_lines),
@@ -340,6 +350,7 @@ int main(void) {
         cmocka_unit_test(tracks_have_several_holders),
         cmocka_unit_test(the_deepest_place_may_lie_between_points),
         cmocka_unit_test(angles_stay_in_the_tracks_range),
+        cmocka_unit_test(angles_are_whole_nanodegrees),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -3,6 +3,7 @@
 #include "base/context.h"
 #include "base/try.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
@@ -123,7 +124,7 @@ static asdic_status excuse(asdic_context *ctx, const asdic_team *team) {
     const asdic_message bye = {.kind = ASDIC_MESSAGE_BYE};
     asdic_message_hello about = {{0}, {0}};
     asdic_message head = {0};
-    strncpy(about.why, asdic_context_error(ctx), sizeof about.why - 1);
+    snprintf(about.why, sizeof about.why, "%s", asdic_context_error(ctx));
     TRY(asdic_message_send(team, 0, &hello, &about, sizeof about));
     while (head.kind != ASDIC_MESSAGE_STOP) {
         TRY(wait_for_message(team, &head));
