@@ -79,7 +79,7 @@ static void say(const bench *b, const result *r) {
     const bench_scene *s = &r->scene;
     const bench_curve *baseline = &r->curves[BENCH_SAMPLERS - 1];
     bench_say(b, "%s: %zu beam%s, %zu bins of %g m, counted from %g m; truth: ", s->name, s->beams,
-              s->beams == 1 ? "" : "s", s->bins, s->sonar.bin_length_m,
+              cli_plural(s->beams), s->bins, s->sonar.bin_length_m,
               (double)s->first_bin * s->sonar.bin_length_m);
     if (s->exact) {
         bench_say(b, "quadrature\n");

@@ -115,7 +115,7 @@ static void print_object(const asdic_mission_object *o) {
         return;
     }
     printf("  %-11s %zu triangle%s, ", o->name[0] ? o->name : "bottom", o->mesh.triangles,
-           o->mesh.triangles == 1 ? "" : "s");
+           cli_plural(o->mesh.triangles));
     check_span("x ", tidy(low->x), tidy(high->x), 4);
     check_span(", y ", tidy(low->y), tidy(high->y), 4);
     check_span(", z ", tidy(low->z), tidy(high->z), 4);

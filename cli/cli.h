@@ -186,6 +186,10 @@ void cli_error(const cli *c, const char *format, ...) __attribute__((format(prin
 void cli_warning_always(const cli *c, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 void cli_warning(const cli *c, const char *format, ...) __attribute__((format(printf, 2, 3)));
+/* What follows a word for COUNT things. */
+static inline const char *cli_plural(uint64_t count) {
+    return count == 1 ? "" : "s";
+}
 /* Plain text on stderr, unless --quiet was given. */
 void cli_note(const cli *c, const char *format, ...) __attribute__((format(printf, 2, 3)));
 bool cli_quiet(const cli *c);

@@ -53,7 +53,7 @@ static int run(cli *c) {
     asdic_status status = folder ? make(c, &o) : ASDIC_ERROR_MEMORY;
     if (!status) {
         size_t frames = o.end - o.first;
-        cli_note(c, "%zu frame%s in %s", frames, frames == 1 ? "" : "s", o.folder);
+        cli_note(c, "%zu frame%s in %s", frames, cli_plural(frames), o.folder);
     }
     free(folder);
     return cli_end(c, status);

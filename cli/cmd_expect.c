@@ -107,7 +107,7 @@ static asdic_status compute(cli *c, const char *path, const expect_scene *scene,
         TRY(status);
     }
     if (!cli_is_stdout(path)) {
-        cli_note(c, "%s: %zu beam%s, %zu bins", path, ping->beams, ping->beams == 1 ? "" : "s",
+        cli_note(c, "%s: %zu beam%s, %zu bins", path, ping->beams, cli_plural(ping->beams),
                  ping->bins);
     }
     return ASDIC_OK;
@@ -158,7 +158,7 @@ static int run_on(cli *c, asdic_mission *mission, uint64_t index) {
     size_t pings = asdic_mission_ping_count(mission);
     if (index >= pings) {
         return cli_usage(c, "--ping %llu: the mission has %zu ping%s (0..%zu)",
-                         (unsigned long long)index, pings, pings == 1 ? "" : "s", pings - 1);
+                         (unsigned long long)index, pings, cli_plural(pings), pings - 1);
     }
     scene.file = cli_operand(c, 0);
     scene.env.variant = (asdic_variant)variant;

@@ -111,7 +111,7 @@ static void print_text(const asdic_mission *mission, const asdic_plan *plan,
                     : "",
            phase);
     printf("\n%zu ping%s of %u rays; %zu triangles, %.1f MB of hierarchy\n", pings,
-           pings == 1 ? "" : "s", rays, scene.triangles, 1e-6 * (double)scene.bvh_bytes);
+           cli_plural(pings), rays, scene.triangles, 1e-6 * (double)scene.bvh_bytes);
     char size[CLI_SIZE_TEXT];
     printf("files: %s\n", cli_size(mission, pings, ".", size));
     char scan[CLI_SCAN_SIZE];
@@ -123,8 +123,7 @@ static void print_text(const asdic_mission *mission, const asdic_plan *plan,
         printf("measured here: %.0f ms to plan, first ping after %.0f ms, then %.2f ms each and "
                "%.2f ms to write it, and %.1f ms to learn, %zu time%s: about %.1f s in all\n",
                1e3 * f->plan_s, 1e3 * f->first_s, 1e3 * f->ping_s, 1e3 * f->write_s,
-               1e3 * f->learn_s, f->lessons, f->lessons == 1 ? "" : "s",
-               mission_seconds(f, mission));
+               1e3 * f->learn_s, f->lessons, cli_plural(f->lessons), mission_seconds(f, mission));
     }
     if (f->known && !asdic_mission_sampling((asdic_mission *)mission)->coherent) {
         char heard[64] = "no bin is above the noise";

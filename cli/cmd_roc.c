@@ -144,7 +144,7 @@ static asdic_status draw(cli *c, const request *r, const char *path, const char 
     snprintf(title, sizeof title, "%s: %s%s at %.4g m, beam \u2018%s\u2019, %u look%s\n%s%s",
              scene ? scene : "", r->key ? r->key : names[0], r->key ? ", the first" : "",
              first->range_m, first->beam, first->background.looks,
-             first->background.looks == 1 ? "" : "s", is_one ? "" : "the first: ", r->facts[0]);
+             cli_plural(first->background.looks), is_one ? "" : "the first: ", r->facts[0]);
     free(scene);
     return asdic_roc_draw(cli_context(c), path, title, names, v->rocs, v->count);
 }

@@ -65,7 +65,7 @@ static bool choose_pings(cli *c, const request *r, size_t pings, asdic_run_optio
     uint64_t first = r->first, end = r->end < pings ? r->end : pings;
     if (r->first >= pings || (r->end != UINT64_MAX && r->end > pings)) {
         cli_usage(c, "--pings goes beyond the mission's %zu ping%s (0..%zu)", pings,
-                  pings == 1 ? "" : "s", pings - 1);
+                  cli_plural(pings), pings - 1);
         return false;
     }
     options->of_first = first;
@@ -167,8 +167,8 @@ static void summarise(cli *c, const asdic_mission *mission, const asdic_run_opti
     }
     const char *where = is_stream(options->folder) ? "standard output" : options->folder;
     cli_note(c, "%s: %zu ping%s, %zu beam%s, %.2f s%s", where, last->pings_total,
-             last->pings_total == 1 ? "" : "s", asdic_mission_sonar(mission)->receiver_count,
-             asdic_mission_sonar(mission)->receiver_count == 1 ? "" : "s", last->elapsed_s, speed);
+             cli_plural(last->pings_total), asdic_mission_sonar(mission)->receiver_count,
+             cli_plural(asdic_mission_sonar(mission)->receiver_count), last->elapsed_s, speed);
     say_times(c, options->times);
     say_errors(c, options->folder);
 }

@@ -258,7 +258,7 @@ static asdic_status fly_on(cli *c, request *r, asdic_device **devices, size_t co
     cli_progress_end(&seen.progress);
     if (!status && seen.pings > 0 && !cli_team_is_worker(o->team)) {
         cli_note(c, "%s: %llu ping%s", o->folder, (unsigned long long)seen.pings,
-                 seen.pings == 1 ? "" : "s");
+                 cli_plural(seen.pings));
     }
     return status;
 }
@@ -286,7 +286,7 @@ static asdic_status replay_on(cli *c, request *r, asdic_device **devices, size_t
         cli_note(c, "%s: run %llu, %s%s%s%s%s, %zu ping%s; 'asdic view %s/scene.yaml' shows it",
                  r->options.folder, (unsigned long long)r->replay_run,
                  asdic_trial_outcome_name(flown.outcome), *flown.what ? " of " : "", flown.what,
-                 *cause ? ", " : "", cause, flown.pings, flown.pings == 1 ? "" : "s",
+                 *cause ? ", " : "", cause, flown.pings, cli_plural(flown.pings),
                  r->options.folder);
     }
     asdic_mission_destroy(&mission);
@@ -348,7 +348,7 @@ static asdic_status find_rays(cli *c, request *r, asdic_device *device) {
         }
     }
     cli_note(c, "tolerance %g dB: %u rays per ping, by %zu ping%s along the way of run 0",
-             wanted.stderr_db, o->rays, pings, pings == 1 ? "" : "s");
+             wanted.stderr_db, o->rays, pings, cli_plural(pings));
     return ASDIC_OK;
 }
 

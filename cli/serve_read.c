@@ -393,8 +393,7 @@ static serve_line read_values(const serve_reader *r, const char *line, serve_req
         }
         if ((i + 1 == r->fields) != (*end == '\0')) {
             snprintf(why, SERVE_WHY_SIZE, "%zu value%s where %zu are expected%s", given,
-                     given == 1 ? "" : "s", r->fields,
-                     r->has_header ? " by the header" : ": " ORDER);
+                     cli_plural(given), r->fields, r->has_header ? " by the header" : ": " ORDER);
             return SERVE_BAD;
         }
         if (!*end) {

@@ -143,7 +143,7 @@ static void tell_end(const view_job *job) {
     asdic_view_clock clock = asdic_view_get_clock(job->view);
     cli_note(job->c, "%s after %zu ping%s, at %.4g s",
              clock.is_flown ? "the mission is flown" : "closed", clock.pings,
-             clock.pings == 1 ? "" : "s", clock.time_s);
+             cli_plural(clock.pings), clock.time_s);
 }
 
 int view_window(view_job *job) {

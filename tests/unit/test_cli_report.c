@@ -137,6 +137,13 @@ static void a_status_is_an_exit_code(void **state) {
     assert_null(strstr(said, asdic_status_text(ASDIC_ERROR_INPUT)));
 }
 
+static void one_thing_has_no_s(void **state) {
+    (void)state;
+    assert_string_equal(cli_plural(0), "s");
+    assert_string_equal(cli_plural(1), "");
+    assert_string_equal(cli_plural(2), "s");
+}
+
 /* A report of DONE of 90 pings at ELAPSED_S, after RAYS, where a line is due. */
 static const char *report(cli_progress *p, size_t done, double elapsed_s, uint64_t rays) {
     p->last_s -= 10.0;
@@ -366,6 +373,7 @@ int main(void) {
         cmocka_unit_test(a_place_stands_before_the_severity),
         cmocka_unit_test(the_library_is_heard),
         cmocka_unit_test(a_status_is_an_exit_code),
+        cmocka_unit_test(one_thing_has_no_s),
         cmocka_unit_test(progress_counts_from_the_first_ping),
         cmocka_unit_test(loops_are_told_apart),
         cmocka_unit_test(loops_have_a_limit),
