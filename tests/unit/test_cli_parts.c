@@ -439,6 +439,43 @@ static void a_rule_is_told_the_pose(void **state) {
     }
 }
 
+/* A rule gets lines of any length whole, also one that is a byte longer than what a pipe takes at once. */
+static void a_rule_is_told_whole_lines(void **state) {
+    (void)state;
+    enum { PIECE = 4096 };
+    static float quiet_db[PIECE];
+    static double quiet_lin[PIECE], likely[PIECE];
+    const asdic_beam beams[] = {{.name = "a"},
+                                {.name = "ab"}}; /* either makes an odd number of bytes */
+    asdic_ping empty = {.intensity_lin = {[ASDIC_TOTAL] = quiet_lin}};
+    asdic_loop_ping quiet = ping;
+    const asdic_scan_result nothing = {.threshold_lin = quiet_lin, .llr = likely};
+    quiet.level_db = quiet_db;
+    quiet.parts = &empty;
+    size_t whole = 0;
+    for (int i = 0; i < 2; i++) {
+        const asdic_sonar one = {.receivers = &beams[i], .receiver_count = 1};
+        const asdic_trial_look look = {.sonar = &one, .ping = &quiet, .found = &nothing};
+        double length = 0.0;
+        quiet.bins = 0;
+        for (int k = 0; k < 2; k++) { /* each bin is a 0 and, but for the last, a comma */
+            asdic_trial_order order = {.turns = false};
+            char wrong[ASDIC_TRIAL_WHY] = "";
+            trial_programs *rule = trial_programs_begin(
+                "read -r p; echo '{\"yaw_deg\":'${#p}'}'; cat >/dev/null", 1, 20.0);
+            bool good = trial_programs_decide(rule, &look, &order, wrong);
+            trial_programs_end(&rule);
+            assert_string_equal(wrong, "");
+            assert_true(good && order.turns);
+            length = rint(order.yaw_rad / DEGREE);
+            whole += length == PIECE;
+            quiet.bins = (size_t)(PIECE + 1 - length) / 2;
+        }
+        assert_in_range((size_t)length, PIECE - 1, PIECE);
+    }
+    assert_int_equal(whole, 1);
+}
+
 /* None was started, so that none is to be ended: -1 would be every process. */
 static void a_rule_without_a_process_ends_none(void **state) {
     (void)state;
@@ -867,6 +904,17 @@ static void stated_errors_are_compared_with_true_ones(void **state) {
     asdic_context_destroy(&c.ctx);
 }
 
+/* For the linkers of kernels, unless somebody has other wishes. */
+static void tunables_of_others_are_kept(void **state) {
+    (void)state;
+    setenv("GLIBC_TUNABLES", "glibc.malloc.check=1", 1);
+    cli_heap_begin();
+    assert_string_equal(getenv("GLIBC_TUNABLES"), "glibc.malloc.check=1");
+    unsetenv("GLIBC_TUNABLES");
+    cli_heap_begin();
+    assert_contains(getenv("GLIBC_TUNABLES"), "glibc.malloc.hugetlb=1");
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(values_have_an_order),
@@ -880,6 +928,7 @@ int main(void) {
         cmocka_unit_test(answers_are_csv),
         cmocka_unit_test(answers_are_frames),
         cmocka_unit_test(a_rule_is_told_the_pose),
+        cmocka_unit_test(a_rule_is_told_whole_lines),
         cmocka_unit_test(a_rule_without_a_process_ends_none),
         cmocka_unit_test(programs_of_rules_are_looked_for),
         cmocka_unit_test(times_have_decades),
@@ -892,6 +941,7 @@ int main(void) {
         cmocka_unit_test(a_floor_is_a_square_kilometre),
         cmocka_unit_test(a_rate_is_told_as_measured),
         cmocka_unit_test(stated_errors_are_compared_with_true_ones),
+        cmocka_unit_test(tunables_of_others_are_kept),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
