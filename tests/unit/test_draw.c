@@ -257,6 +257,9 @@ static void test_impossible(void **state) {
          "'position_m' = 100000000 is out of range"},
         {"{key: mission.pose, choice: [{position_m: [0, 0, 5], jaw_deg: 3}]}",
          "unknown key 'jaw_deg'; did you mean 'yaw_deg'?"},
+        {"{key: 'mission.pose.position_m[2]', uniform: [3, 1e8]}",
+         "'position_m' = 100000000 is out of range"},
+        {"{key: bottom.type, choice: [mud, none]}", "'type' = none is not one of mud, sand"},
         {"{key: trial.draws, uniform: [0, 1]}", "a trial cannot draw its own 'trial.draws'"},
         {"{key: mission.pose.yaw_deg, unifrom: [0, 1], choice: [1]}", "did you mean 'uniform'?"},
     };
