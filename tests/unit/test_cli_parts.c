@@ -1,6 +1,7 @@
 /* Parts of the program without a device: poses from lines, words and numbers that are shown, rules in other
  * programs. */
 #include "asserts.h"
+#include "told.h"
 
 #include "cli/bench_error.h"
 #include "cli/bench_pings.h"
@@ -904,6 +905,40 @@ static void stated_errors_are_compared_with_true_ones(void **state) {
     asdic_context_destroy(&c.ctx);
 }
 
+void __real_bench_add(bench *b, const bench_cell *cells);
+
+/* What two rows and a line say on the screen. */
+static const char *shown_of(bench *b, const bench_cell rows[2][4]) {
+    told_begin_on(stdout);
+    __real_bench_add(b, rows[0]);
+    __real_bench_add(b, rows[1]);
+    bench_say(b, "%d rows\n", 2);
+    return told_end();
+}
+
+/* Texts on the left, cut off at their column's end; numbers on the right, as the screen's unit has them. */
+static void rows_are_shown_in_columns(void **state) {
+    (void)state;
+    const bench_column columns[] = {{"name", "scene", 6, 0, 0.0},
+                                    {"hidden", NULL, 0, 0, 0.0},
+                                    {"time_s", "ms", 8, 2, 1e3},
+                                    {"n", "n", 3, 0, 0.0},
+                                    {NULL, NULL, 0, 0, 0.0}};
+    const bench_cell rows[2][4] = {
+        {BENCH_TEXT("a long name"), BENCH_NUMBER(1), BENCH_NUMBER(0.0123456), BENCH_NUMBER(NAN)},
+        {BENCH_TEXT("b"), BENCH_NUMBER(2), BENCH_NUMBER(-1), BENCH_NUMBER(41.6)}};
+    bench b = {.table = bench_table_create(columns)};
+    assert_non_null(b.table);
+    assert_string_equal(shown_of(&b, rows), "scene        ms   n\n"
+                                            "a long    12.35   -\n"
+                                            "b      -1000.00  42\n"
+                                            "2 rows\n");
+    b.is_silent = true;
+    assert_string_equal(shown_of(&b, rows), "");
+    assert_true(bench_table_is_complete(b.table));
+    bench_table_destroy(b.table);
+}
+
 /* For the linkers of kernels, unless somebody has other wishes. */
 static void tunables_of_others_are_kept(void **state) {
     (void)state;
@@ -941,6 +976,7 @@ int main(void) {
         cmocka_unit_test(a_floor_is_a_square_kilometre),
         cmocka_unit_test(a_rate_is_told_as_measured),
         cmocka_unit_test(stated_errors_are_compared_with_true_ones),
+        cmocka_unit_test(rows_are_shown_in_columns),
         cmocka_unit_test(tunables_of_others_are_kept),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
