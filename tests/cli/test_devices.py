@@ -46,6 +46,8 @@ def test_table_has_the_numbers_of_json():
             size, unit = (device[key] / 2**30, "GiB") if device[key] >= 2**30 else (device[key] / 2**20, "MiB")
             tap.contains(row, f"  {size:6.1f} {unit}")
         tap.equal(row[2:].split()[1:3], [device["kind"], str(device["compute_units"])])
+        for heading, value in (("name", device["name"]), ("platform", device["platform"]), ("lacks", device["lacks"] or "-")):
+            tap.equal(row[lines[0].index(f" {heading}") + 1:].startswith(value), True, f"'{heading}' of '{row}'")
         tap.equal(row.endswith("  " + (device["lacks"] or "-")), True, f"what is lacking ends '{row}'")
 
 
