@@ -260,13 +260,38 @@ static void the_vehicle_is_a_rod(void **state) {
     rig_destroy(&r);
 }
 
+/* Four fins stand out at its stern, whichever way it rolls. */
+static void the_vehicle_has_fins(void **state) {
+    (void)state;
+    ping_rig r = rig_create(&t);
+    r.sampling.rays = 256;
+    asdic_simulator *sim = rig_simulator(&r);
+    asdic_camera *c = camera();
+    const double length = 0.032 * shot.range_m, high = 1.8 * 0.075 * length;
+    for (int k = 0; k < 4; k++) {
+        const asdic_pose at = {{-2.5, 0.6, 4.8}, 0.5 * k * 3.14159265358979323846, 0.0, 1.4};
+        asdic_shot from = shot;
+        from.vehicle = &at;
+        assert_ok(t.ctx, asdic_camera_shoot(c, sim, &from));
+        for (int side = -1; side <= 1; side += 2) {
+            assert_seen(c, (asdic_vec3){at.position_m.x - 0.42 * length * cos(at.yaw_rad),
+                                        at.position_m.y - 0.42 * length * sin(at.yaw_rad),
+                                        at.position_m.z + side * high});
+        }
+    }
+    asdic_camera_destroy(&c);
+    asdic_simulator_destroy(&sim);
+    rig_destroy(&r);
+}
+
 /* Red of the middle pixel before the display's curve and shoulder. */
 static double red_of(const asdic_camera *c) {
     double shown = (asdic_camera_rgb(c)[HEIGHT / 2 * WIDTH + WIDTH / 2] >> 16 & 0xff) / 255.0;
     return shown * shown / (1.0 - 0.25 * shown * shown);
 }
 
-/* A beam 45 degrees wide to either side, seen from within: it glows by what lies before the eye of its range. */
+/* A beam 45 degrees wide to either side, of 5 m: it glows by what lies before the eye, which looks ahead from within,
+ * or straight across from outside, once beyond it. */
 static void a_beam_glows_as_far_as_one_looks_through_it(void **state) {
     (void)state;
     ping_rig r = rig_create(&t);
@@ -274,11 +299,13 @@ static void a_beam_glows_as_far_as_one_looks_through_it(void **state) {
     asdic_simulator *sim = rig_simulator(&r);
     asdic_camera *c = camera();
     const asdic_pose at = {.position_m = {0.0, 0.0, 6.0}};
-    for (double ahead_m = 1.0; ahead_m < 5.5; ahead_m += 1.0) {
-        double red[2];
+    for (int k = 0; k < 8; k++) {
+        bool across = k >= 5;
+        double ahead_m = across ? 1.0 + 2.1 * (k - 5) : 1.0 + k, red[2];
         for (unsigned cones = 0; cones < 2; cones++) {
             asdic_shot from = {
-                .eye_m = {ahead_m, 0.0, 6.0},
+                .eye_m = {ahead_m, across ? -3.0 : 0.0, 6.0},
+                .yaw_rad = across ? 0.5 * 3.14159265358979323846 : 0.0,
                 .vehicle = &at,
                 .range_m = 5.0,
                 .cones = cones,
@@ -288,8 +315,10 @@ static void a_beam_glows_as_far_as_one_looks_through_it(void **state) {
             assert_ok(t.ctx, asdic_camera_shoot(c, sim, &from));
             red[cones] = red_of(c);
         }
-        double thick = 2.2 * (5.0 - ahead_m) / 5.0, glow = 0.55 * (1.0 - exp(-thick));
-        print_message("from %g m ahead: %.3f, %.3f by the way\n", ahead_m, red[1] - red[0], glow);
+        double way_m = ahead_m > 5.0 ? 0.0 : across ? 2.0 * ahead_m : 5.0 - ahead_m;
+        double glow = 0.55 * (1.0 - exp(-2.2 * way_m / 5.0));
+        print_message("from %g m ahead%s: %.3f, %.3f by the way\n", ahead_m,
+                      across ? ", across" : "", red[1] - red[0], glow);
         assert_close(red[1] - red[0], glow, 0.02);
     }
     asdic_camera_destroy(&c);
@@ -305,6 +334,7 @@ int main(void) {
         cmocka_unit_test(the_floor_has_a_grain),
         cmocka_unit_test(the_floor_has_a_grid),
         cmocka_unit_test(the_vehicle_is_a_rod),
+        cmocka_unit_test(the_vehicle_has_fins),
         cmocka_unit_test(a_beam_glows_as_far_as_one_looks_through_it),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);

@@ -361,6 +361,39 @@ static void layers_have_a_cone_for_each_bundle(void **state) {
     }
 }
 
+/* Of a ball below a surface that mirrors it a second cone looks at its image; of one on the other side none does. */
+static void images_have_cones(void **state) {
+    (void)state;
+    const asdic_material steel = asdic_material_facet(45.0, 1e-3, 0.1);
+    const asdic_law_water water = {
+        .frequency_hz = 1e5, .sound_speed_mps = 1500.0, .wavelength_m = 0.015};
+    const asdic_scatterer mirror = asdic_scatterer_at(&steel, &water);
+    const asdic_passage ways[2] = {{.plane_m = 0.0}, {.mirror = &mirror, .plane_m = 1.0}};
+    const dev_beam beam = {
+        .rows = {1, 0, 0, 0, 1, 0, 0, 0, 1}, .length_h_wl = 1.0f, .length_v_wl = 1.0f};
+    const dev_beam beams[2] = {beam, beam};
+    for (int above = 0; above < 2; above++) {
+        const double z = above ? -1.0 : 4.0;
+        const asdic_part ball = {
+            .kind = DEV_KIND_OBJECT, .center_m = {12.0, 3.0, z}, .radius_m = 0.2};
+        dev_ping *ping = calloc(1, sizeof *ping);
+        assert_non_null(ping);
+        ping->range_m = 50.0f;
+        ping->beams = 1;
+        ping->batch.rays = ping->sampling.background = 1000;
+        asdic_cones_place(&ball, 1, (asdic_vec3){0.0, 0.0, 7.0}, beams, ways, 2, ping);
+        assert_int_equal(ping->sampling.cones, above ? 1 : 2);
+        for (dev_uint k = 0; k < ping->sampling.cones; k++) {
+            const float *towards = ping->sampling.cone[k].rows + 6;
+            double down = (k ? 2.0 - z : z) - 7.0, far = sqrt(144.0 + 9.0 + down * down);
+            assert_close((double)towards[0], 12.0 / far, 1e-6);
+            assert_close((double)towards[1], 3.0 / far, 1e-6);
+            assert_close((double)towards[2], down / far, 1e-6);
+        }
+        free(ping);
+    }
+}
+
 /* Each of several gets its part of the rays, less than one alone: four as many as two together. */
 static void several_objects_share_rays(void **state) {
     (void)state;
@@ -442,6 +475,7 @@ int main(void) {
         cmocka_unit_test(crowds_keep_the_flat_bins),
         cmocka_unit_test(few_rays_keep_the_flat_bins),
         cmocka_unit_test(near_objects_have_cones),
+        cmocka_unit_test(images_have_cones),
         cmocka_unit_test(layers_have_a_cone_for_each_bundle),
         cmocka_unit_test(several_objects_share_rays),
         cmocka_unit_test(pilots_learn_where_a_ball_is),

@@ -201,11 +201,18 @@ static void stated_error_is_honest(void **state) {
     }
 }
 
-/* Whatever stood there: until a calibration, a cell knows no error but its groups'. */
-static void forgotten_errors_are_of_groups(void **state) {
+/* Whatever stood there: until a calibration, a cell knows no error but its groups', and rays go out evenly. */
+static void what_was_learnt_is_forgotten(void **state) {
     (void)state;
+    enum { CELLS = DEV_TABLE_CELLS, AZIMUTHS = DEV_AZIMUTH_CELLS };
     ping_rig r = rig_create(&t);
     asdic_simulator *sim = rig_simulator(&r);
+    for (int i = 0; i < DEV_TABLE_FLOATS; i++) {
+        sim->learnt.table[i] = 7.0f;
+    }
+    sim->learnt.zone_altitude = sim->learnt.object_ratio = 7.0f;
+    sim->learnt.faces.count = sim->learnt.glints.own.count = sim->learnt.glints.between.count = 7;
+    sim->learnt.azimuths = sim->learnt.table_uploaded = true;
     for (size_t cell = 0; cell < sim->setup.cells; cell++) {
         sim->learnt.stated[cell] = (asdic_stated_error){7.0f, 7.0f, 7.0f, 7.0f};
     }
@@ -215,6 +222,17 @@ static void forgotten_errors_are_of_groups(void **state) {
         assert_true(e.of_groups == 1.0f && e.of_block == 0.0f && e.mean_lin == 0.0f &&
                     e.rare == 0.0f);
     }
+    for (int i = 0; i < DEV_TABLE_FLOATS; i++) {
+        int k = (i - CELLS - 1) % (AZIMUTHS + 1);
+        double even = i <= CELLS ? (double)i / CELLS : (double)k / AZIMUTHS;
+        assert_close((double)sim->learnt.table[i], even, 1e-7);
+    }
+    assert_true(sim->learnt.zone_altitude == ASDIC_ZONE_ALTITUDE &&
+                sim->learnt.object_ratio == 1.0f);
+    assert_int_equal(sim->learnt.faces.count + sim->learnt.glints.own.count +
+                         sim->learnt.glints.between.count,
+                     0);
+    assert_false(sim->learnt.azimuths || sim->learnt.table_uploaded);
     asdic_simulator_destroy(&sim);
     rig_destroy(&r);
 }
@@ -450,7 +468,7 @@ int main(void) {
         cmocka_unit_test(short_bins_meet_quadrature),
         cmocka_unit_test(every_sampler_is_unbiased),
         cmocka_unit_test(stated_error_is_honest),
-        cmocka_unit_test(forgotten_errors_are_of_groups),
+        cmocka_unit_test(what_was_learnt_is_forgotten),
         cmocka_unit_test(errors_are_stated_by_their_law),
         cmocka_unit_test(calibrations_know_a_ping),
         cmocka_unit_test(attitude_and_aim_cancel),
