@@ -238,6 +238,21 @@ def test_frames_of_other_depths_are_the_same_in_parts():
             tap.equal(len(shapes), 1, "shapes")
 
 
+def test_frames_may_have_other_numbers_of_bins():
+    """More frames than are under way at once, each as long as its own range."""
+    program.need_device()
+    with Folder() as folder:
+        path = scene(folder, rays=500, segments=16, a=("count: 48", "count: 4"),
+                     b=("{key: mission.pose.yaw_deg, uniform: [-5, 5]}", "{key: sonar.max_range_m, uniform: [10, 14]}"))
+        asdic("dataset", path, "-n", "8", "--radius", "32", "-o", folder / "d").check(code=0)
+        frames = [json.loads(line) for line in folder.read("d/manifest.jsonl").splitlines()]
+        numpy(f"""import numpy as np
+for k, range_m in enumerate({[float(f["drawn"]["sonar.max_range_m"]) for f in frames]}):
+    bins = np.load(f"d/levels/{{k:06d}}.npy").shape[-1]
+    assert abs(bins - range_m / 0.1) <= 1, (k, bins, range_m)
+""", folder / ".")
+
+
 def test_an_array_is_of_one_size_in_all_depths():
     """Frames of one wind share a scene, at depths that sound speeds differ between by 5 m/s, or by 155 m/s in a
     gradient."""

@@ -355,7 +355,7 @@ for style, d in re.findall(r'<path style="([^"]*)" d="([^"]*)"', text):
 def test_ascopes_show_the_run():
     """Every curve of both beams, read from the vector picture: what was simulated, and what is expected."""
     with Folder() as folder:
-        folder.write("way.csv", "time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n0,0,0,5,0,0,0\n0.1,1,0,8,0,0,0\n")
+        folder.write("way.csv", "time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n0,0,0,5,5,-6,0\n0.1,1,0,8,5,-6,0\n")
         run = run_of(folder, pings=3, edits={
             "{name: down, pitch_deg: 45}": "{name: down, pitch_deg: 45, length_h_m: 0.2}",  # hears another noise
             "mission: {pose: {position_m: [0, 0, 5]}": f"mission: {{track: {folder / 'way.csv'}"})

@@ -22,12 +22,14 @@ static void routes_are_the_runs(void **state) {
     asdic_route_point points[] = {
         {0, 0, 0, -10 * turn_rad}, {10, 10, 0, 350 * turn_rad}, {20, 10, 10, 20 * turn_rad}};
     asdic_route route = {.name = "boat", .points = points, .count = 3};
-    /* Its bow 2 m ahead of its place at the first ping, a rock elsewhere. */
+    /* 2 m round its place at the first ping, from its bow on; a rock elsewhere. */
+    enum { SIDES = ASDIC_OUTLINE_SIDES };
     asdic_outline outlines[] = {{.name = "rock", .count = 1, .north_m = {5}, .east_m = {5}},
-                                {.name = "boat",
-                                 .count = 1,
-                                 .north_m = {2 * cos(-10 * turn_rad)},
-                                 .east_m = {2 * sin(-10 * turn_rad)}}};
+                                {.name = "boat", .count = SIDES}};
+    for (int k = 0; k < SIDES; k++) {
+        outlines[1].north_m[k] = 2.0 * cos((-10 + 15 * k) * turn_rad);
+        outlines[1].east_m[k] = 2.0 * sin((-10 + 15 * k) * turn_rad);
+    }
     asdic_chart_data data = {.routes = &route,
                              .route_count = 1,
                              .points = points,
@@ -43,8 +45,10 @@ static void routes_are_the_runs(void **state) {
         assert_close(route.points[i].east_m, expected[i][2], 1e-12);
     }
     assert_close(outlines[0].north_m[0], 5.0, 0);
-    assert_close(outlines[1].north_m[0], 10.0 + 2.0 * cos(5 * turn_rad), 1e-12);
-    assert_close(outlines[1].east_m[0], 5.0 + 2.0 * sin(5 * turn_rad), 1e-12);
+    for (int k = 0; k < SIDES; k++) {
+        assert_close(outlines[1].north_m[k], 10.0 + 2.0 * cos((5 + 15 * k) * turn_rad), 1e-12);
+        assert_close(outlines[1].east_m[k], 5.0 + 2.0 * sin((5 + 15 * k) * turn_rad), 1e-12);
+    }
     /* One ping is no way to go. */
     asdic_chart_data_cut(&data, 15.0, 15.0);
     assert_int_equal(data.route_count, 0);

@@ -6,6 +6,7 @@
 #include "test_context.h"
 
 #include "sim/eigenray.h"
+#include "sim/passage.h"
 
 #include <stdlib.h>
 
@@ -159,10 +160,27 @@ static void even_water_has_one_ray(void **state) {
     }
 }
 
+/* Of rays that swing by less than two wavelengths, whatever these are, one stands for all. */
+static void one_of_all_rays_is_left(void **state) {
+    (void)state;
+    const asdic_environment env = water_of(&cases[5]);
+    asdic_passage way = {.top_m = 0.0, .bottom_m = 12.0};
+    asdic_eigenray rays[ASDIC_MOST_EIGENRAYS];
+    asdic_layers_of(&env, 7.0, &way.layers);
+    size_t found = asdic_passage_rays(&way, 7.0, 7.0, 300.0, rays);
+    const asdic_eigenray first = rays[0];
+    assert_true(found > 2);
+    assert_int_equal(asdic_passage_waves(&way, 7.0, 300.0, 0.0, rays, found), found);
+    assert_int_equal(asdic_passage_waves(&way, 7.0, 300.0, 1e3, rays, found), 1);
+    assert_memory_equal(&rays[0], &first, sizeof first);
+    assert_int_equal(asdic_passage_waves(&way, 7.0, 300.0, 1e3, rays, 0), 0);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(rays_are_those_of_steps),
         cmocka_unit_test(even_water_has_one_ray),
+        cmocka_unit_test(one_of_all_rays_is_left),
     };
     return cmocka_run_group_tests(tests, context_begin, context_end);
 }

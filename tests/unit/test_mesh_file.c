@@ -306,6 +306,9 @@ static void polygons(void **state) {
     /* a bow tie */
     mesh_rig_write(&rig, "m.obj", "v 0 0 0\nv 4 4 0\nv 4 0 0\nv 0 3 0\nf 1 2 3 4\n");
     mesh_rig_refuse(&rig, "m.obj: the outline of facet 0 (4 corners) crosses itself");
+    /* no corner of which can be cut off */
+    mesh_rig_write(&rig, "m.obj", "v 5 2 0\nv 6 3 0\nv 5 3 0\nv 3 1 0\nv 1 2 0\nf 1 2 3 4 5\n");
+    mesh_rig_refuse(&rig, "m.obj: the outline of facet 0 (5 corners) crosses itself");
 }
 
 static void off_variants(void **state) {

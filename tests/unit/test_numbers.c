@@ -589,6 +589,34 @@ static void pixels_belong_to_beams(void **state) {
     check_sector((const double[]){340.0, 350.0, 360.0}, 3, 41.0);
 }
 
+/* Of more bins than there are pixels the loudest are shown, with the gain of where they are. */
+static void thinned_fans_keep_their_ranges(void **state) {
+    (void)state;
+    enum { BEAMS = 3, BINS = 1200, GROUP = 4 };
+    static float levels_db[BEAMS * BINS];
+    const double bearing_rad[BEAMS] = {-0.4, 0.0, 0.4};
+    asdic_picture_options options = asdic_picture_options_default();
+    options.db_low = 0.0;
+    options.db_high = 100.0;
+    options.tvg_db_per_decade = 30.0;
+    options.tvg_db_per_m = 0.1;
+    asdic_raster pictures[2];
+    for (int k = 0; k < 2; k++) { /* the same, of bins a quarter as long */
+        const asdic_fan fan = {.levels_db = levels_db,
+                               .bearing_rad = bearing_rad,
+                               .beams = BEAMS,
+                               .bins = k ? BINS : BINS / GROUP,
+                               .bin_length_m = k ? 0.25 : 0.25 * GROUP};
+        asdic_sector sector = asdic_sector_of(&fan, BINS / GROUP);
+        assert_ok(ctx, asdic_raster_fan(ctx, &fan, &sector, &options, 0xffffff, &pictures[k]));
+    }
+    assert_int_equal(pictures[0].width, pictures[1].width);
+    assert_memory_equal(pictures[0].rgb, pictures[1].rgb,
+                        3 * pictures[0].width * pictures[0].height);
+    asdic_raster_finish(&pictures[0]);
+    asdic_raster_finish(&pictures[1]);
+}
+
 /* A head that turns round, beside one that goes back and forth; beams to starboard of it. */
 static void a_scan_fills_its_directions(void **state) {
     (void)state;
@@ -732,6 +760,7 @@ int main(void) {
         cmocka_unit_test(groups_are_means_of_energy),
         cmocka_unit_test(polygons_enclose_their_pixels),
         cmocka_unit_test(pixels_belong_to_beams),
+        cmocka_unit_test(thinned_fans_keep_their_ranges),
         cmocka_unit_test(masks_may_be_of_many_parts),
         cmocka_unit_test(a_scan_fills_its_directions),
         cmocka_unit_test(windows_leave_out_the_rarest),

@@ -392,6 +392,32 @@ static void ascope_draws_its_curves(void **state) {
 
 /* The simulated levels are 3 dB above the expected ones: a panel of its own shows it, half-way up
  * its axis of 5 dB either way. An object in one bin alone rises from the floor of its panel. */
+/* Wherever on a curve it is, the first place and the last included. */
+static void a_lone_point_is_a_dot(void **state) {
+    (void)state;
+    enum { POINTS = 4 };
+    const double x[POINTS] = {0.5, 1.0, 1.5, 2.0};
+    asdic_picture_options options = asdic_picture_options_default();
+    if (!asdic_picture_annotated()) {
+        skip();
+    }
+    for (size_t at = 0; at < POINTS; at++) {
+        double y[POINTS] = {NAN, NAN, NAN, NAN};
+        size_t width, height;
+        y[at] = 5.0;
+        const asdic_series curve = {.x = x, .y = y, .count = POINTS, .rgb = 0x0072b2, .width = 1.5};
+        const asdic_plot panel = {.x = {.label = "x", .low = 0, .high = 3},
+                                  .y = {.label = "y", .low = 0, .high = 10},
+                                  .series = &curve,
+                                  .series_count = 1};
+        assert_int_equal(asdic_picture_plot(ctx, file_in_folder("p.png"), &panel, 1, &options),
+                         ASDIC_OK);
+        uint8_t *rgb = decode(file_in_folder("p.png"), PNG_FORMAT_RGB, &width, &height);
+        assert_true(count_color(rgb, width * height, 0x0072b2) > 0);
+        free(rgb);
+    }
+}
+
 static void ascope_shows_residuals_and_lone_echoes(void **state) {
     (void)state;
     float expected_db[50], simulated_db[50], object_db[50];
@@ -667,6 +693,17 @@ static void what_cannot_be_drawn_is_refused(void **state) {
         assert_int_equal(asdic_picture_plot(ctx, at, i == 1 ? NULL : &panel, 1, options),
                          ASDIC_ERROR_ARGUMENT);
     }
+    const double metres[] = {1.0, 0.0, -1.0, NAN, INFINITY}; /* of a cell */
+    for (size_t i = 0; i < 8; i++) {
+        asdic_map map = {
+            .columns = 2, .rows = 2, .cell_m = metres[i < 5 ? i : 0], .values = ramp_db};
+        map.rows =
+            i == 0 ? SIZE_MAX / sizeof *ramp_db / 2 + 1 : map.rows; /* more than there can be */
+        map.columns = i == 5 ? 0 : map.columns;
+        map.north_m = i == 6 ? NAN : 0.0;
+        map.east_m = i == 7 ? INFINITY : 0.0;
+        assert_int_equal(asdic_picture_map(ctx, path, &map, &good), ASDIC_ERROR_ARGUMENT);
+    }
     assert_int_equal(access(path, F_OK), -1);
 }
 
@@ -789,6 +826,7 @@ int main(void) {
         cmocka_unit_test(fan_starboard_is_right),
         cmocka_unit_test(fans_are_the_same_listed_either_way),
         cmocka_unit_test(ascope_draws_its_curves),
+        cmocka_unit_test(a_lone_point_is_a_dot),
         cmocka_unit_test(ascope_shows_residuals_and_lone_echoes),
         cmocka_unit_test(subtitles_have_a_line),
         cmocka_unit_test(words_say_what_is_shown),

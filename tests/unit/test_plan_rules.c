@@ -11,6 +11,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #define DEGREE (3.14159265358979323846 / 180.0)
 
@@ -48,6 +49,20 @@ static yard begin(bool bottom, bool surface) {
     return y;
 }
 
+/* Whether REASON is one to leave a term out. */
+static bool leaves_out(const char *reason) {
+    static const char *const words[] = {"has no ",    "is never nearer",  "below the noise",
+                                        "none of ",   "behind the faces", "nothing ",
+                                        "flat scene", "switched off"};
+    for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
+        if (strstr(reason, words[i])) {
+            return !strstr(reason, "costs nothing");
+        }
+    }
+    return false;
+}
+
+/* Every row is kept or left out as its reason says; what is left out changes nothing to speak of, or is not wanted. */
 static void make(yard *y) {
     y->sonar.receivers = y->receivers;
     if (!asdic_scene_get_info(y->scene).bvh_nodes) {
@@ -57,7 +72,13 @@ static void make(yard *y) {
                                    y->count, &plan));
     for (int t = 0; t < ASDIC_TERM_COUNT; t++) {
         assert_string_equal(plan.rows[t].name, asdic_term_name((asdic_term)t));
-        assert_true(((plan.left_out >> t & 1u) == 0) == plan.rows[t].kept);
+        const asdic_plan_row *row = &plan.rows[t];
+        assert_true(((plan.left_out >> t & 1u) == 0) == row->kept);
+        if (t != ASDIC_TERM_BORIC_ACID || row->kept) { /* which says so where it is kept alone */
+            assert_true(row->kept == !leaves_out(row->reason));
+        }
+        assert_true(row->kept || row->bound_db <= ASDIC_PLAN_NEGLIGIBLE_DB ||
+                    strstr(row->reason, "switched off"));
     }
 }
 

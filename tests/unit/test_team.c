@@ -159,6 +159,20 @@ static void rays_are_those_of_process_0(void **state) {
     end_team(p);
 }
 
+/* Of devices that did nothing none is named in the run of FOLDER. */
+static void assert_named_have_worked(const process *p, const char *folder) {
+    size_t length;
+    char *json = read_file(folder, "run.json", &length);
+    for (unsigned rank = 0; rank < RANKS; rank++) {
+        for (int i = 0; i < 2; i++) {
+            char device[32];
+            snprintf(device, sizeof device, "\"fake %u.%d\"", rank, i);
+            assert_true(p[rank].f.devices[i].pings > 0 || !strstr(json, device));
+        }
+    }
+    free(json);
+}
+
 static void lost_devices_elsewhere_are_replaced(void **state) {
     (void)state;
     for (unsigned k = 0; k < 6; k++) {
@@ -177,6 +191,7 @@ static void lost_devices_elsewhere_are_replaced(void **state) {
         assert_int_equal(p[0].status, ASDIC_OK);
         assert_same_files("reference", name);
         assert_non_null(strstr(p[0].f.warnings, "device 'fake 2.0' of process 2 failed"));
+        assert_named_have_worked(p, name);
         end_team(p);
     }
 }

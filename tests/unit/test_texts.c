@@ -233,6 +233,39 @@ static void overviews(void **state) {
     }
 }
 
+/* Of the curves that are of some beams alone, and no others. */
+static void ascopes_name_the_curves_that_they_have(void **state) {
+    (void)state;
+    static const char *const names[] = {"noise",     "volume", "surface",        "bottom",
+                                        "multipath", "object", "expected total", "simulated"};
+    enum { CURVES = sizeof names / sizeof *names };
+    const float levels_db[] = {-100, -110, -105};
+    asdic_picture_options options = options_of("scene: ping 0");
+    for (size_t k = 0; k < CURVES; k++) {
+        const float *of[CURVES] = {[CURVES - 1] = levels_db};
+        asdic_ascope beams[2];
+        for (size_t i = 0; i < 2; i++) {
+            of[k] = i == 1 || k == CURVES - 1 ? levels_db : NULL;
+            beams[i] = (asdic_ascope){.title = "beam",
+                                      .bins = 3,
+                                      .bin_length_m = 0.5,
+                                      .noise_db = of[0],
+                                      .volume_db = of[1],
+                                      .surface_db = of[2],
+                                      .bottom_db = of[3],
+                                      .multipath_db = of[4],
+                                      .object_db = of[5],
+                                      .total_db = of[6],
+                                      .simulated_db = of[7]};
+        }
+        assert_ok(t.ctx, asdic_picture_ascope(t.ctx, path, beams, 2, &options));
+        for (size_t i = 0; i < CURVES; i++) {
+            assert_int_equal(times_written(names[i]), i == k || i == CURVES - 1);
+        }
+        box_count = 0;
+    }
+}
+
 static void ascopes(void **state) {
     (void)state;
     enum { BINS = 50 };
@@ -708,6 +741,7 @@ int main(void) {
         cmocka_unit_test(fans),
         cmocka_unit_test(waterfalls),
         cmocka_unit_test(overviews),
+        cmocka_unit_test(ascopes_name_the_curves_that_they_have),
         cmocka_unit_test(ascopes),
         cmocka_unit_test(abscissas_are_labelled),
         cmocka_unit_test(long_names_stay_on_the_page),
