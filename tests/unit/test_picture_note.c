@@ -82,6 +82,36 @@ static void ascopes_tell_which_curves_are_simulated(void **state) {
     }
 }
 
+static void plans_tell_what_bottom_they_show(void **state) {
+    (void)state;
+    static const struct {
+        const char *bottom;
+        size_t columns;
+        double depth_m;
+        const char *said;
+    } cases[] = {{ASDIC_RUN_BOTTOM_MESH, 3, INFINITY, "relief lit from the north-west"},
+                 {ASDIC_RUN_BOTTOM_MESH, 0, INFINITY, "no terrain within range"},
+                 {ASDIC_RUN_BOTTOM_PLANE, 0, 12.5, "flat bottom at 12.5 m"},
+                 {ASDIC_RUN_BOTTOM_NONE, 0, INFINITY, "no bottom"}};
+    for (size_t i = 0; i < 2 * sizeof cases / sizeof *cases; i++) {
+        bool dashed = i % 2;
+        asdic_render r;
+        char note[ASDIC_CHART_NOTE_SIZE], wanted[ASDIC_CHART_NOTE_SIZE];
+        describe(NAN, &r);
+        asdic_run run = *r.run;
+        run.facts.bottom = cases[i / 2].bottom;
+        r.run = &run;
+        const asdic_relief relief = {.columns = cases[i / 2].columns};
+        const asdic_seafloor ground = {&relief, cases[i / 2].depth_m};
+        const asdic_chart_area areas[] = {{.dashed = false}, {.dashed = dashed}, {.dashed = false}};
+        asdic_render_note_chart(&r, &ground, "pings 0, 4", areas, 3, note);
+        snprintf(wanted, sizeof wanted,
+                 "areas: half-power lobes on the bottom at pings 0, 4%s  \u00b7  %s  \u00b7  %s",
+                 dashed ? "  \u00b7  dashed: none within range" : "", cases[i / 2].said, r.note);
+        assert_string_equal(note, wanted);
+    }
+}
+
 /* Notes fill the room that they have, part by part, and no more. */
 static void notes_end_where_their_room_does(void **state) {
     (void)state;
@@ -106,6 +136,7 @@ int main(void) {
         cmocka_unit_test(fine_ones_say_nothing),
         cmocka_unit_test(coherent_pings_are_said_to_be),
         cmocka_unit_test(ascopes_tell_which_curves_are_simulated),
+        cmocka_unit_test(plans_tell_what_bottom_they_show),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -5,6 +5,7 @@
 #define ASDIC_MISSION_RUN_PICTURE_H
 
 #include "base/file_name.h"
+#include "run_footprint.h"
 #include "run_open.h"
 #include "run_summary.h"
 #include "sim/ring_shelf.h"
@@ -41,6 +42,13 @@ void asdic_render_describe(asdic_render *render);
 /* The note of an A-scope: which of its curves are expected ones, if any, and which are simulated. */
 void asdic_render_note_ascope(const asdic_render *render, bool has_expected,
                               char note[ASDIC_ASCOPE_NOTE_SIZE]);
+
+#define ASDIC_CHART_NOTE_SIZE 640
+
+/* The note of a plan with COUNT AREAS of beams at PLACES: on what bottom they lie, and whether any is dashed. */
+void asdic_render_note_chart(const asdic_render *render, const asdic_seafloor *ground,
+                             const char *places, const asdic_chart_area *areas, size_t count,
+                             char note[ASDIC_CHART_NOTE_SIZE]);
 
 /* Options of one picture, with TITLE and two more text chunks: KEY and VALUE. */
 asdic_picture_options asdic_render_picture(asdic_render *render, const char *title, const char *key,

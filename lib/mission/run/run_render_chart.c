@@ -138,10 +138,24 @@ static void describe_bottom(const asdic_render *r, const asdic_seafloor *ground,
     }
 }
 
+void asdic_render_note_chart(const asdic_render *r, const asdic_seafloor *ground,
+                             const char *places, const asdic_chart_area *areas, size_t count,
+                             char note[ASDIC_CHART_NOTE_SIZE]) {
+    char bottom[64];
+    bool is_dashed = false;
+    for (size_t i = 0; i < count; i++) {
+        is_dashed = is_dashed || areas[i].dashed;
+    }
+    describe_bottom(r, ground, bottom);
+    snprintf(note, ASDIC_CHART_NOTE_SIZE,
+             "areas: half-power lobes on the bottom at %s%s  \u00b7  %s  \u00b7  %s", places,
+             is_dashed ? "  \u00b7  dashed: none within range" : "", bottom, r->note);
+}
+
 static asdic_status draw(asdic_render *r, const asdic_chart_data *data,
                          const asdic_seafloor *ground, const sketch *s) {
     const asdic_summary *summary = r->summary;
-    char title[256], note[640], bottom[64];
+    char title[256], note[ASDIC_CHART_NOTE_SIZE];
     uint64_t last = r->info.first_ping + r->info.pings - 1;
     asdic_chart chart = {
         .relief = &data->relief,
@@ -159,15 +173,8 @@ static asdic_status draw(asdic_render *r, const asdic_chart_data *data,
         .last_yaw_rad =
             asdic_sweep_vehicle(&r->run->settings.sweep, &summary->last_pose, last).yaw_rad};
     snprintf(title, sizeof title, "%s: plan view", r->info.scene_name);
-    describe_bottom(r, ground, bottom);
     asdic_picture_options options = asdic_render_picture(r, title, "view", "plan");
-    bool is_dashed = false;
-    for (size_t i = 0; i < s->area_count; i++) {
-        is_dashed = is_dashed || s->areas[i].dashed;
-    }
-    snprintf(note, sizeof note,
-             "areas: half-power lobes on the bottom at %s%s  \u00b7  %s  \u00b7  %s", s->places,
-             is_dashed ? "  \u00b7  dashed: none within range" : "", bottom, options.note);
+    asdic_render_note_chart(r, ground, s->places, s->areas, s->area_count, note);
     options.note = note;
     return asdic_draw_chart(r->ctx, asdic_render_path(r, "plan", "").text, &chart, &options);
 }
