@@ -91,7 +91,7 @@ static void ink(const map *m, uint32_t rgb, double fill, double edge, bool is_da
 
 /* Adds to the path where the lobes of SWATH meet the bottom, as the plan of a run shows it; whether they do. */
 static bool trace(const map *m, const asdic_view *view, const asdic_swath *swath) {
-    static const asdic_relief flat = {0};
+    static const asdic_relief flat; /* none */
     const asdic_scene *scene = asdic_mission_scene(view->mission);
     bool is_flat =
         scene->has_bottom_plane && !swath->layers; /* a bent ray goes from cell to cell */
