@@ -58,8 +58,10 @@ static void check_kinematics(const asdic_flight *f, const asdic_track *track) {
         assert_close_relative(sqrt(dx * dx + dy * dy + dz * dz) / step_s, f->speed_mps, 1e-3);
         assert_true(fabs(dz) / step_s <= f->dive_rate_mps * (1 + 1e-9));
         double forward_mps = hypot(dx, dy) / step_s;
+        double flip =
+            step_s / f->response_s; /* of the rudder, within a step that takes the mean of two */
         assert_true(fabs(b->yaw_rad - a->yaw_rad) / step_s <=
-                    f->speed_mps / f->turn_radius_m * (1 + 1e-9));
+                    f->speed_mps / f->turn_radius_m * (1 + 1e-9 + flip * flip));
         double yaw = 0.5 * (a->yaw_rad + b->yaw_rad), pitch = 0.5 * (a->pitch_rad + b->pitch_rad);
         assert_close(dx / step_s, forward_mps * cos(yaw), 2e-3 * f->speed_mps);
         assert_close(dy / step_s, forward_mps * sin(yaw), 2e-3 * f->speed_mps);
@@ -219,9 +221,72 @@ static void corners_are_cut_by_the_arc(void **state) {
         for (size_t i = 0; i < track->count; i++) {
             most_m = fmax(most_m, track->points[i].x_m);
         }
-        assert_close(nearest_m(track, points_m + 3), (sqrt(2) - 1) * 5.0, 0.3);
-        assert_close(most_m, 100, 0.5);
+        double aside_m = nearest_m(track, points_m + 3) - (sqrt(2) - 1) * 5.0;
+        print_message("%g m/s: %.2f m aside of the arc, %.2f m beyond\n", speed_mps, aside_m,
+                      most_m - 100);
+        assert_true(aside_m > -0.3 && aside_m < 0.3 + 0.25 * speed_mps); /* what lags is rounder */
+        assert_close(most_m, 100, 0.15);
         asdic_track_destroy(&track);
+    }
+}
+
+/* Across the line from corner I on, away from where the turn comes from, at most; *SETTLED: along it, from where the vehicle
+ * stays within a tenth of a radius. */
+static double swings_out_m(const asdic_track *track, double corner_m, double turn_rad,
+                           double radius_m, double *settled_m) {
+    double most_m = 0, north = cos(turn_rad), east = sin(turn_rad);
+    size_t i = 0;
+    *settled_m = -INFINITY;
+    while (track->points[i].yaw_rad < 0.9 * turn_rad) {
+        i++;
+    }
+    for (; i < track->count; i++) {
+        double x = track->points[i].x_m - corner_m, y = track->points[i].y_m;
+        double across_m = y * north - x * east;
+        most_m = fmax(most_m, -across_m);
+        if (fabs(across_m) > 0.1 * radius_m) {
+            *settled_m = x * north + y * east;
+        }
+    }
+    return most_m;
+}
+
+/* Turns up to 120 degrees end on the next line, those back abeam of the corner, and the line is held soon, whatever lags. */
+static void turns_end_on_the_next_line(void **state) {
+    (void)state;
+    static const double cases[][3] = {/* speed, radius, response; 0: REMUS 100 */
+                                      {0.5, 0.5, 1}, {1.5, 0.5, 0.5}, {1.5, 0.5, 1},  {1.5, 5, 0.5},
+                                      {1.5, 5, 1},   {1, 2, 2},       {2, 20, 0.1},   {4, 6, 3},
+                                      {1, 4.41, 0},  {1.54, 4.41, 0}, {2.5, 4.41, 0}, {15, 50, 2}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        double speed_mps = cases[i][0], radius_m = cases[i][1], response_s = cases[i][2];
+        bool is_remus = response_s == 0;
+        double lag_m = speed_mps * (is_remus ? 1.36 : 1.25 * response_s);
+        double free_m = 40 * (radius_m + lag_m);
+        for (int k = 1; k <= 6; k++) {
+            double turn_rad = k * ASDIC_PI / 6, settled_m;
+            double points_m[] = {0, 0, 5, free_m, 0, 5, 0, 0, 5};
+            points_m[6] = free_m * (1 + cos(turn_rad));
+            points_m[7] = free_m * sin(turn_rad);
+            asdic_track *track =
+                fly(is_remus ? remus100(points_m, 3, speed_mps)
+                             : nomoto(points_m, 3, speed_mps, radius_m, response_s, 0.3));
+            double out_m = swings_out_m(track, free_m, turn_rad, radius_m, &settled_m);
+            double aside_m = nearest_m(track, points_m + 3);
+            print_message(
+                "%g m/s, %g m, %g s, %d degrees: out %.2f, on it from %.1f, aside %.2f radii\n",
+                speed_mps, radius_m, response_s, 30 * k, out_m / radius_m, settled_m / radius_m,
+                aside_m / radius_m);
+            assert_int_equal(missed.point, 0);
+            if (k <= 4) {
+                assert_true(out_m < 0.3 * (lag_m < 1.3 * radius_m ? radius_m : radius_m + lag_m));
+            }
+            if (k == 6) {
+                assert_true(aside_m < radius_m);
+            }
+            assert_true(settled_m < 11 * (radius_m + lag_m));
+            asdic_track_destroy(&track);
+        }
     }
 }
 
@@ -346,6 +411,28 @@ static void change(double speed, double y_vv, double u, double v, double r, doub
     out[0] = x / (mass + 0.93);
     out[1] = (d * y - b * n) / det;
     out[2] = (a * n - c * y) / det;
+}
+
+/* In a wide turn the course of the REMUS 100 follows a heading that is wanted by so much: sway and yaw from the published
+ * equations, small, with what the autopilot asks of the rudder. */
+static void remus_lags_by_rudder_and_drift(void **state) {
+    (void)state;
+    const double u = 1.54, rate = 1e-3;
+    double v = 0, rudder = 0, by[3];
+    for (int i = 0; i < 50; i++) { /* Newton's, from two slopes */
+        const double step = 1e-6;
+        double dv[3], dr[3];
+        change(u, 0, u, v, rate, rudder, by);
+        change(u, 0, u, v + step, rate, rudder, dv);
+        change(u, 0, u, v, rate, rudder + step, dr);
+        double a = (dv[1] - by[1]) / step, b = (dr[1] - by[1]) / step;
+        double c = (dv[2] - by[2]) / step, d = (dr[2] - by[2]) / step, det = a * d - b * c;
+        v -= (d * by[1] - b * by[2]) / det;
+        rudder -= (a * by[2] - c * by[1]) / det;
+    }
+    /* rudder = 2.5 rate - 1.5 error */
+    double lag_s = (2.5 * rate - rudder) / 1.5 / rate - v / u / rate;
+    assert_close(asdic_flight_model_remus100().lag_s, lag_s, 0.005);
 }
 
 /* Radius of the full-rudder circle: integrated until all is steady. */
@@ -668,6 +755,8 @@ int main(void) {
         cmocka_unit_test(depth_is_reached_without_overshoot),
         cmocka_unit_test(steady_turns_have_the_radius),
         cmocka_unit_test(corners_are_cut_by_the_arc),
+        cmocka_unit_test(turns_end_on_the_next_line),
+        cmocka_unit_test(remus_lags_by_rudder_and_drift),
         cmocka_unit_test(tightest_turn_has_the_radius),
         cmocka_unit_test(autopilots_answer_by_their_gains),
         cmocka_unit_test(fins_answer_a_hand),

@@ -24,8 +24,9 @@ static flight_leg find_leg(const asdic_flight *flight, size_t index) {
                         .z_m = b[2]};
 }
 
-/* Where the turn from leg INDEX into the next begins: a circle that touches both lines does so at
- * R tan(half the turn) from the corner; the response takes some more. */
+/* Where the turn from leg INDEX into the next begins: a circle that touches both lines does so at R tan(half the turn)
+ * from the corner, and the lag takes some more. What turns by more than 120 degrees does not come so far back: it begins
+ * the nearer the more it turns, at last so that on its way back it is abeam of the corner. */
 static double find_lead_m(const asdic_pilot *p, size_t index, const flight_leg *leg) {
     const asdic_flight *flight = p->flight;
     if (index + 2 >= flight->count) {
@@ -33,9 +34,11 @@ static double find_lead_m(const asdic_pilot *p, size_t index, const flight_leg *
     }
     flight_leg next = find_leg(flight, index + 1);
     double half = 0.5 * fabs(remainder(next.yaw_rad - leg->yaw_rad, 2.0 * ASDIC_PI));
-    double arc_m = p->model.turn_radius_m * fmin(tan(fmin(half, 1.5)), 2.0);
-    double lag_m = half > 0.0 ? flight->speed_mps * p->model.response_s : 0.0;
-    return fmin(arc_m + lag_m, 0.5 * fmin(leg->length_m, next.length_m));
+    double radius_m = p->model.turn_radius_m;
+    double lag_m = half > 0.0 ? flight->speed_mps * p->model.lag_s : 0.0;
+    double most_m = (radius_m + 0.5 * lag_m) * (1.0 + 2.0 * cos(half));
+    return fmin(fmin(radius_m * tan(half) + lag_m, most_m),
+                0.5 * fmin(leg->length_m, next.length_m));
 }
 
 /* Distance flown along LEG, and across it to starboard. */
@@ -162,7 +165,9 @@ static void look_ahead(passage *a) {
 static void end_line(passage *a) {
     const asdic_flight_miss *m = &a->near[0];
     bool is_last = m->point + 1 == a->pilot->flight->count;
-    double aside_m = m->aside_m - (is_last ? MOST_MISS_M : 2.0 * a->pilot->model.turn_radius_m);
+    const flight_model *model = &a->pilot->model;
+    double wide_m = 2.0 * model->turn_radius_m + a->pilot->flight->speed_mps * model->lag_s;
+    double aside_m = m->aside_m - (is_last ? MOST_MISS_M : wide_m);
     double over_m = fmax(aside_m, fabs(m->deeper_m) - MOST_MISS_M);
     if (m->point > 0 && isfinite(over_m) && over_m > a->most_m) {
         *a->most = *m;
@@ -216,9 +221,9 @@ void asdic_pilot_begin(asdic_pilot *p, const asdic_flight *flight) {
                                     : asdic_flight_model_nomoto(flight),
                        .state = begin(flight),
                        .leg = find_leg(flight, 0)};
-    /* The line must be approached slower than the heading is turned. */
+    /* Heading turns at V / lookahead of what the vehicle is across, and lags: critically damped. No tighter than its circle. */
     p->lookahead_m = fmax(2.0 * p->model.turn_radius_m,
-                          3.0 * flight->speed_mps * ASDIC_FLIGHT_DAMPING * p->model.response_s);
+                          ASDIC_FLIGHT_DAMPING * flight->speed_mps * p->model.lag_s);
     p->leg.lead_m = find_lead_m(p, 0, &p->leg);
     find_line(p);
 }

@@ -59,6 +59,7 @@ typedef struct flight_model {
     double step_s;     /* of a track's points ... */
     unsigned substeps; /* ... each so many steps of the integration */
     double turn_radius_m, response_s;
+    double lag_s; /* by which the course follows a heading that is wanted and turns slowly */
     flight_state (*derivative)(const asdic_flight *flight, const flight_aim *aim,
                                const flight_state *state);
 } flight_model;

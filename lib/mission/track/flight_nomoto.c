@@ -12,7 +12,8 @@ static flight_state derivative(const asdic_flight *f, const flight_aim *aim,
     double forward_mps = f->speed_mps * cos(s->pitch_rad);
     double most_yaw = forward_mps / f->turn_radius_m;
     /* With the rudder amidships yaw dies out over T r. What is left of a turn after that shrinks by what is commanded,
-     * d/dt (error - T r) = -r_c, so that no gain overshoots; a high one keeps the radius until nearly the end. */
+     * d/dt (error - T r) = -r_c, so that no gain overshoots; a high one keeps the radius until nearly the end. A
+     * small turn passes two first orders, T / gain and T. */
     double coast_rad = f->response_s * s->yaw_rate;
     double left_rad = remainder(aim->yaw_rad - s->yaw_rad, 2.0 * ASDIC_PI) - coast_rad;
     double yaw_command = aim->by_hand
@@ -37,5 +38,6 @@ flight_model asdic_flight_model_nomoto(const asdic_flight *flight) {
                           .substeps = 1,
                           .turn_radius_m = flight->turn_radius_m,
                           .response_s = flight->response_s,
+                          .lag_s = (1.0 + 1.0 / YAW_GAIN) * flight->response_s,
                           .derivative = derivative};
 }

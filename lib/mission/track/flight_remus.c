@@ -84,6 +84,10 @@
 
 #define TURN_RADIUS_M 4.41
 
+/* At 1.54 m/s; 1.19 at 1 and 1.48 at 2.5. In a wide turn sway and yaw balance at v = -0.429 r, r = 0.742 u rudder; the
+ * course lags by what the autopilot needs of error for that rudder and the rate, and by the drift. */
+#define LAG_S 1.36
+
 typedef struct pair {
     double force, moment;
 } pair;
@@ -168,5 +172,6 @@ flight_model asdic_flight_model_remus100(void) {
                           .substeps = 5,
                           .turn_radius_m = TURN_RADIUS_M,
                           .response_s = 1.0,
+                          .lag_s = LAG_S,
                           .derivative = derivative};
 }
