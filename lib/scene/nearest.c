@@ -16,8 +16,8 @@ typedef struct search {
     double lo[3], hi[3]; /* box round the segment */
     bool looks;          /* from the segment's beginning along it, for ONLY one part: */
     size_t only;
-    asdic_vec3 u;  /* that way, a unit vector, */
-    double cosine; /* and of the angle within which it looks */
+    asdic_vec3 u;              /* that way, a unit vector, */
+    double sector_rad, cosine; /* and the angle within which it looks */
     asdic_nearest best;
 } search;
 
@@ -166,6 +166,15 @@ static double box_m(const search *s, const dev_node8 *n, int i) {
     return sqrt(sum);
 }
 
+/* Whether the ball round the box of child I meets the sector: false only where nothing in the box is ahead. */
+static bool may_be_ahead(const search *s, const dev_node8 *n, int i) {
+    asdic_vec3 lo = {n->lo_x[i], n->lo_y[i], n->lo_z[i]}, hi = {n->hi_x[i], n->hi_y[i], n->hi_z[i]};
+    asdic_vec3 middle = asdic_vec3_sub(at(lo, asdic_vec3_sub(hi, lo), 0.5), s->a);
+    double far = asdic_vec3_length(middle), radius = 0.5 * sqrt(distance2(lo, hi));
+    double angle = s->sector_rad + (far > radius ? asin(radius / far) : ASDIC_PI) + 1e-6;
+    return angle >= ASDIC_PI || asdic_vec3_dot(middle, s->u) >= cos(angle) * far;
+}
+
 /* Nodes and blocks of what moves, the first ones, are the placement's. */
 static void search_word(search *s, uint32_t word) {
     const asdic_scene *scene = s->scene;
@@ -183,7 +192,8 @@ static void search_word(search *s, uint32_t word) {
     const dev_node8 *node =
         word < scene->moving_nodes ? &s->placement->nodes[word] : &scene->bvh.nodes[word];
     for (int i = 0; i < DEV_BVH_WIDTH; i++) {
-        if (node->child[i] != DEV_EMPTY && box_m(s, node, i) < s->best.distance_m) {
+        if (node->child[i] != DEV_EMPTY && box_m(s, node, i) < s->best.distance_m &&
+            (!s->looks || may_be_ahead(s, node, i))) {
             search_word(s, node->child[i]);
         }
     }
@@ -237,24 +247,26 @@ asdic_nearest asdic_placement_nearest(const asdic_placement *placement, const as
 }
 
 double asdic_placement_ahead(const asdic_placement *placement, size_t part, const asdic_way *look,
-                             const asdic_way *moving, double sector_rad) {
+                             const asdic_way *moving, double sector_rad, double within_m) {
     const asdic_scene *scene = placement->scene;
     size_t movables = scene->movable_count;
     search s = {.placement = placement,
                 .scene = scene,
                 .looks = true,
                 .only = part,
+                .sector_rad = sector_rad,
                 .cosine = cos(sector_rad),
-                .best = {INFINITY, ASDIC_NOTHING}};
+                .best = {within_m, ASDIC_NOTHING}};
     if (part >= scene->part_count) {
         size_t i = part - scene->part_count;
         const asdic_way *way = moving ? &moving[movables + i] : look;
         asdic_vec3 p = asdic_vec3_sub(placement->points[i].position_m, way->from_m);
         s.u = direction(way->from_m, way->to_m);
-        return is_ahead(&s, p) ? asdic_vec3_length(p) : INFINITY;
+        double far_m = asdic_vec3_length(p);
+        return is_ahead(&s, p) && far_m < within_m ? far_m : INFINITY;
     }
     search_all(&s, look, moving);
-    return s.best.distance_m;
+    return s.best.part == part ? s.best.distance_m : INFINITY;
 }
 
 /* Whether SIDE is that of a place left of the line from A to B. A place on it counts as moved north by next to nothing,

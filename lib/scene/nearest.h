@@ -26,9 +26,9 @@ asdic_nearest asdic_placement_nearest(const asdic_placement *placement, const as
                                       const asdic_way *moving, double within_m);
 
 /* From where LOOK begins to the nearest of what PART, as of asdic_nearest, has within SECTOR_RAD of its
- * direction; INFINITY: nothing. MOVING as above. */
+ * direction and nearer than WITHIN_M; INFINITY: nothing. MOVING as above. */
 double asdic_placement_ahead(const asdic_placement *placement, size_t part, const asdic_way *look,
-                             const asdic_way *moving, double sector_rad);
+                             const asdic_way *moving, double sector_rad, double within_m);
 
 /* Whether POSITION_M (world) is inside an object: a plumb line meets its triangles an odd number of
  * times below, and above. PART becomes the object's. Over and under a plate, or a mesh that is open to

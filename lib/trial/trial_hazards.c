@@ -99,9 +99,9 @@ asdic_nearest asdic_hazards_nearest(asdic_hazards *hazards, asdic_vec3 from_m, a
 }
 
 double asdic_hazards_ahead(asdic_hazards *hazards, size_t part, const asdic_way *look,
-                           double time_s, double sector_rad) {
+                           double time_s, double sector_rad, double within_m) {
     return asdic_placement_ahead(hazards->placement, part, look,
-                                 ways_of(hazards, look, time_s, time_s), sector_rad);
+                                 ways_of(hazards, look, time_s, time_s), sector_rad, within_m);
 }
 
 bool asdic_hazards_hold(const asdic_hazards *hazards, asdic_vec3 position_m, size_t *part) {

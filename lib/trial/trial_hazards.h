@@ -23,10 +23,10 @@ bool asdic_hazards_move(const asdic_hazards *hazards);
 asdic_nearest asdic_hazards_nearest(asdic_hazards *hazards, asdic_vec3 from_m, asdic_vec3 to_m,
                                     double from_s, double to_s, double within_m);
 
-/* From LOOK's beginning (world) at TIME_S to the nearest surface of PART within SECTOR_RAD of its direction;
- * INFINITY: nothing of it is there. */
+/* From LOOK's beginning (world) at TIME_S to the nearest surface of PART within SECTOR_RAD of its direction
+ * and nearer than WITHIN_M; INFINITY: nothing of it is there. */
 double asdic_hazards_ahead(asdic_hazards *hazards, size_t part, const asdic_way *look,
-                           double time_s, double sector_rad);
+                           double time_s, double sector_rad, double within_m);
 
 /* Whether POSITION_M (world) is inside an object at the time of the first ping, and inside which. */
 bool asdic_hazards_hold(const asdic_hazards *hazards, asdic_vec3 position_m, size_t *part);

@@ -278,9 +278,9 @@ static void name_part(const run *r, size_t part, char out[ASDIC_NAME_SIZE]) {
     snprintf(out, ASDIC_NAME_SIZE, "%s", *name ? name : "bottom");
 }
 
-/* From the vehicle at MOMENT to the nearest surface of what it hit that was in the rule's sector then;
- * INFINITY: none. The bottom is always below: of it the place where it was hit counts. */
-static double range_m(const run *r, const moment *then) {
+/* From the vehicle at MOMENT to the nearest surface of what it hit that was in the rule's sector then, and nearer than
+ * WITHIN_M; INFINITY: none. The bottom is always below: of it the place where it was hit counts. */
+static double range_m(const run *r, const moment *then, double within_m) {
     const asdic_scene *scene = r->mission->scene;
     const flight_state *s = &then->pilot.state;
     asdic_vec3 at_m = position(&then->pilot);
@@ -292,20 +292,22 @@ static double range_m(const run *r, const moment *then) {
         return asdic_vec3_length(asdic_vec3_sub(position(&r->pilot), at_m));
     }
     const asdic_way look = {at_m, asdic_vec3_add(at_m, bow)};
-    return asdic_hazards_ahead(r->hazards, r->met, &look, then->time_s, r->plan->sector_rad);
+    return asdic_hazards_ahead(r->hazards, r->met, &look, then->time_s, r->plan->sector_rad,
+                               within_m);
 }
 
 /* When what was hit came into the rule's reach and sector, since the last manoeuvre; or, if it was not there yet, when
  * the manoeuvre under way began. */
 static moment first_in_reach(const run *r) {
-    double reach_m = r->plan->reach_m, began_s = r->moments[r->began].time_s;
+    double reach_m = r->plan->reach_m, more_m = reach_m + HAIR_M,
+           began_s = r->moments[r->began].time_s;
     size_t i = r->began;
-    while (i > 0 && !r->moments[i].gave_way && range_m(r, &r->moments[i]) <= reach_m) {
+    while (i > 0 && !r->moments[i].gave_way && range_m(r, &r->moments[i], more_m) <= reach_m) {
         i--;
     }
     moment at = r->moments[i];
     double step_s = at.pilot.model.step_s;
-    while (at.time_s + step_s < began_s + INSTANT_S && range_m(r, &at) > reach_m) {
+    while (at.time_s + step_s < began_s + INSTANT_S && range_m(r, &at, more_m) > reach_m) {
         asdic_pilot_advance(&at.pilot, NULL, step_s);
         at.time_s += step_s;
     }
@@ -319,7 +321,7 @@ static void find_cause(run *r) {
         out->cause = ASDIC_TRIAL_NOT_SEEN;
         return;
     }
-    double seen_m = range_m(r, &r->moments[r->began]);
+    double seen_m = range_m(r, &r->moments[r->began], INFINITY);
     out->seen_m = isinf(seen_m) ? NAN : seen_m;
     const moment from = first_in_reach(r);
     asdic_order order = r->order;

@@ -166,7 +166,11 @@ static void what_is_ahead_is_found(void **state) {
         const asdic_way look = {from, asdic_vec3_add(from, u)};
         place(m, p, time_s);
         for (size_t part = 0; part < parts; part++) {
-            double found_m = asdic_hazards_ahead(hazards, part, &look, time_s, sector_rad);
+            double found_m =
+                asdic_hazards_ahead(hazards, part, &look, time_s, sector_rad, INFINITY);
+            double within_m = 40.0 * random_unit(&random);
+            assert_true(asdic_hazards_ahead(hazards, part, &look, time_s, sector_rad, within_m) ==
+                        (found_m < within_m ? found_m : INFINITY));
             double less_m = ahead_by_search(p, part, &look, sector_rad - 2e-3);
             double more_m = ahead_by_search(p, part, &look, sector_rad + 2e-3);
             /* Places are at most 0.1 m apart, of a plane or a point that is met at most so much off; a thing may be
