@@ -10,6 +10,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 /* From so many decibels on that hang on whether faces are flat or round it is remarked, of so many meshes. */
 #define AT_STAKE_DB 1.0
@@ -53,39 +54,63 @@ static size_t end_of_part(const asdic_scene *scene, size_t begin) {
     return end;
 }
 
-/* Each mesh once, however often it stands there. */
+/* What is found of a mesh, where it stands first. */
+typedef struct searched {
+    const asdic_part *part;
+    size_t triangles;
+    asdic_ambiguity found;
+    bool is_told;
+} searched;
+
+/* Whether PART, of so many TRIANGLES, has the same mesh: of the same area, to what a rotation rounds. */
+static bool is_copy(const searched *a, const asdic_part *part, size_t triangles) {
+    return a->triangles == triangles &&
+           fabs(a->part->area_m2 - part->area_m2) < 1e-5 * part->area_m2;
+}
+
+/* Each mesh is searched once, and told once, however often it stands there. */
 void asdic_mission_remark_ambiguity(const asdic_mission *m, double speed_mps, asdic_remarks *out) {
     const asdic_scene *scene = m->scene;
     const asdic_sonar *sonar = &m->settings.sonar;
     const asdic_law_water water = {.frequency_hz = sonar->frequency_hz,
                                    .sound_speed_mps = speed_mps,
                                    .wavelength_m = speed_mps / sonar->frequency_hz};
-    asdic_ambiguity told[MOST_MESHES];
-    size_t count = 0, end;
-    for (size_t i = 0; i < scene->triangle_count && count < MOST_MESHES; i = end) {
+    searched *all = calloc(scene->part_count + 1, sizeof *all);
+    size_t meshes = 0, told = 0, end;
+    for (size_t i = 0; all && i < scene->triangle_count && told < MOST_MESHES; i = end) {
         const asdic_part *part = &scene->parts[scene->triangles[i].part];
-        asdic_ambiguity *a = &told[count];
-        bool is_told = false;
+        size_t k = 0;
         end = end_of_part(scene, i);
-        if (asdic_scene_find_ambiguity(scene, i, end, a) != ASDIC_OK || a->edges == 0) {
+        if (!asdic_scene_may_be_ambiguous(scene, part)) {
             continue;
         }
-        for (size_t k = 0; k < count; k++) {
-            is_told |=
-                told[k].edges == a->edges && fabs(told[k].area_m2 - a->area_m2) < 1e-3 * a->area_m2;
+        while (k < meshes && !is_copy(&all[k], part, end - i)) {
+            k++;
         }
-        const face f = {asdic_scatterer_at(&scene->materials[part->material], &water), a->area_m2,
-                        asdic_sonar_max_range_m(sonar, speed_mps)};
-        double db = flash_db(&f, a->turn_rad);
-        if (!is_told && db > AT_STAKE_DB && out->count < ASDIC_MOST_REMARKS) {
+        searched *a = &all[k];
+        if (k == meshes) {
+            *a = (searched){.part = part, .triangles = end - i};
+            a->is_told =
+                asdic_scene_find_ambiguity(scene, i, end, &a->found) || a->found.edges == 0;
+            meshes++;
+        }
+        if (a->is_told || out->count >= ASDIC_MOST_REMARKS) {
+            continue;
+        }
+        const face f = {asdic_scatterer_at(&scene->materials[part->material], &water),
+                        a->found.area_m2, asdic_sonar_max_range_m(sonar, speed_mps)};
+        double db = flash_db(&f, a->found.turn_rad);
+        if (db > AT_STAKE_DB) {
             snprintf(
                 out->text[out->count++], ASDIC_REMARK_SIZE,
                 "objects: '%s' has %zu edges of up to %.3g degrees where plates may meet, or a "
                 "round body be cut: %.1f dB square to a face; default round below %g, "
                 "'crease_deg: 0' all plates, %g all round",
-                part->name, a->edges, a->most_rad * (180.0 / ASDIC_PI), db,
+                part->name, a->found.edges, a->found.most_rad * (180.0 / ASDIC_PI), db,
                 ASDIC_CREASE_RAD * (180.0 / ASDIC_PI), ASDIC_ROUND_DEG);
-            count++;
+            a->is_told = true;
+            told++;
         }
     }
+    free(all);
 }

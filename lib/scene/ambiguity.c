@@ -81,16 +81,17 @@ static asdic_status find(asdic_context *ctx, double size_m, asdic_surface *s,
     return ASDIC_OK;
 }
 
+bool asdic_scene_may_be_ambiguous(const asdic_scene *scene, const asdic_part *part) {
+    return part->kind == DEV_KIND_OBJECT && !part->is_primitive &&
+           part->crease_rad == ASDIC_CREASE_RAD &&
+           scene->materials[part->material].law->formula == DEV_LAW_FACET;
+}
+
 asdic_status asdic_scene_find_ambiguity(const asdic_scene *scene, size_t begin, size_t end,
                                         asdic_ambiguity *out) {
     const asdic_part *part = &scene->parts[scene->triangles[begin].part];
     size_t count = end - begin;
     *out = (asdic_ambiguity){0};
-    if (part->kind != DEV_KIND_OBJECT || part->is_primitive ||
-        part->crease_rad != ASDIC_CREASE_RAD ||
-        scene->materials[part->material].law->formula != DEV_LAW_FACET) {
-        return ASDIC_OK;
-    }
     asdic_surface surface = {0};
     double *corners_m = malloc(9 * count * sizeof *corners_m);
     dev_triangle *facets = malloc(count * sizeof *facets); /* of its own: rims are marked in them */

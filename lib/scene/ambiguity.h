@@ -16,8 +16,10 @@ typedef struct asdic_ambiguity {
     double area_m2, turn_rad; /* of the face, and at the edge, where an echo hangs on it most */
 } asdic_ambiguity;
 
-/* Of the triangles from BEGIN to END, a part's, of a committed scene; none where the part is known to be round or flat:
- * it is a primitive, or its crease angle was chosen. */
+/* Not where PART is known to be round or flat: it is a primitive, or its crease angle was chosen; nor where it is rough. */
+bool asdic_scene_may_be_ambiguous(const asdic_scene *scene, const asdic_part *part);
+
+/* Of the triangles from BEGIN to END, those of a part that may be ambiguous, of a committed scene. */
 asdic_status asdic_scene_find_ambiguity(const asdic_scene *scene, size_t begin, size_t end,
                                         asdic_ambiguity *out);
 

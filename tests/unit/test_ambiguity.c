@@ -2,6 +2,10 @@
 #include "lathe.h"
 #include "mission_rig.h"
 
+#include "mission/mission.h"
+
+#include <time.h>
+
 /* Adds MESH as that which scenes know as "body". */
 static void set_body(workshop *w, asdic_mesh *mesh) {
     for (size_t i = 0; i < w->mesh_count; i++) {
@@ -61,6 +65,12 @@ static void drums_may_be_of_plates(void **state) {
     said = remarks_of(w, BODY() "  - {name: other, mesh: {file: body}, position_m: [30, 5, 10], "
                                 "rotation_deg: [0, 20, 30], material: steel}\n");
     assert_ptr_equal(strchr(said, '\n') + 1, said + strlen(said));
+    /* One that is rough, or known to be round, says nothing of the next. */
+    assert_contains(
+        remarks_of(w, "  - {name: rough, mesh: {file: body}, position_m: [30, 5, 10], type: rock}\n"
+                      "  - {name: known, mesh: {file: body}, position_m: [40, 5, 10], crease_deg: "
+                      "0}\n" BODY()),
+        "objects: 'it' has 11 edges ");
     /* What is rough scatters to all sides, and a plate of half a wavelength as well. */
     assert_string_equal(remarks_of(w, "  - {name: it, mesh: {file: body}, position_m: [20, 0, 10], "
                                       "material: {preset: concrete, roughness_rms_mm: 20}}\n"),
@@ -79,6 +89,45 @@ static void drums_may_be_of_plates(void **state) {
         remarks_of(w, "  - {name: it, cylinder: {radius_m: 0.5, length_m: 1, segments: 11}, "
                       "position_m: [20, 0, 10], material: {roughness_rms_mm: 0.1}}\n"),
         "");
+}
+
+/* What a scene of COUNT copies of "body", each turned otherwise, takes to be remarked on, as instructions do: processor
+ * time, the least of three. */
+static double remarks_s(workshop *w, int count) {
+    char text[8192];
+    size_t used =
+        (size_t)snprintf(text, sizeof text,
+                         SCENE "bottom: {depth_m: 30}\nmission: {pose: {position_m: [0, 0, 10]}}\n"
+                               "objects:\n");
+    for (int i = 0; i < count; i++) {
+        used += (size_t)snprintf(text + used, sizeof text - used,
+                                 "  - {name: it%d, mesh: {file: body}, position_m: [%d, 0, 10], "
+                                 "rotation_deg: [0, 0, %d], material: steel}\n",
+                                 i, 20 + 3 * i, 7 * i);
+    }
+    asdic_mission *m = load_text(w, text);
+    assert_non_null(m);
+    double least_s = INFINITY;
+    for (int i = 0; i < 3; i++) {
+        asdic_remarks remarks = {.count = 0};
+        clock_t began = clock();
+        asdic_mission_remark_ambiguity(m, 1500.0, &remarks);
+        least_s = fmin(least_s, (double)(clock() - began) / CLOCKS_PER_SEC);
+        assert_int_equal(remarks.count, 0);
+    }
+    asdic_mission_destroy(&m);
+    return least_s;
+}
+
+/* Copies cost no search. */
+static void copies_are_searched_once(void **state) {
+    workshop *w = *state;
+    asdic_mesh *mesh = NULL;
+    assert_ok(w->ctx, asdic_mesh_sphere(w->ctx, 0.5, 64, &mesh));
+    set_body(w, mesh);
+    double one_s = remarks_s(w, 1), many_s = remarks_s(w, 12);
+    print_message("1 mesh %.4f s, 12 copies %.4f s\n", one_s, many_s);
+    assert_true(many_s < 3 * one_s);
 }
 
 /* Domes of two bands: the crease angle cuts them, since their pole turns by 45 degrees. */
@@ -131,6 +180,7 @@ static void other_meshes_are_certain(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(drums_may_be_of_plates),
+        cmocka_unit_test(copies_are_searched_once),
         cmocka_unit_test(domes_may_be_of_two_bands),
         cmocka_unit_test(other_meshes_are_certain),
     };
