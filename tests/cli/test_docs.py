@@ -173,7 +173,8 @@ def test_dev_says_what_is_lost_without_a_package():
 
 def test_dev_help_makes_nothing():
     with Folder() as folder:
-        tap.contains(dev(folder, "help").stdout, "usage: ./dev COMMAND")
+        for args in (["help"], ["gpu", "--help"], ["bench", "fan", "-h"], ["test", "--full", "--help"]):
+            tap.contains(dev(folder, *args).stdout, "usage: ./dev COMMAND")
         tap.equal(sorted(os.listdir(folder.path)), ["bin", "dev"], "files")
 
 
