@@ -10,6 +10,7 @@
 #include "sim/eigenray.h"
 #include "sim/environment.h"
 #include "sim/expected.h"
+#include "sim/plan_case.h"
 #include "sim/ring.h"
 
 #include <math.h>
@@ -337,7 +338,13 @@ static void choose(const asdic_mission *mission, asdic_refraction_plan *out) {
                         : ASDIC_REFRACTION_FULL;
     say_change(straight, sizeof straight, out->off_db);
     say_change(layer, sizeof layer, out->layer_db);
-    bool mirrors = mission->settings.sampling.multipath != ASDIC_MULTIPATH_OFF;
+    const asdic_environment *env = asdic_mission_environment(mission);
+    const asdic_sonar *sonar = asdic_mission_sonar(mission);
+    asdic_water_column column =
+        asdic_water_column_at(env, sonar, asdic_mission_pose(mission, 0, NULL).position_m.z);
+    const asdic_law_water water = asdic_water_column_laws(&column, env, sonar);
+    bool mirrors =
+        asdic_scene_mirrors(mission->scene, mission->settings.sampling.multipath, &water);
     snprintf(out->reason, sizeof out->reason,
              "%sstraight rays would %s, one layer fitted from %.4g to %.4g m would %s",
              mirrors ? "echoes over mirrors aside, " : "", straight, out->layer_from_m,

@@ -33,6 +33,10 @@ void asdic_plan_row_set(asdic_plan *plan, asdic_term term, bool kept, double bou
 /* How much an energy E added to a bin of noise N changes its level, dB; INFINITY without noise. */
 double asdic_plan_change_db(double energy, double noise);
 
+/* Whether anything in the scene can pass a mirror ray on. */
+bool asdic_scene_mirrors(const asdic_scene *scene, asdic_multipath multipath,
+                         const asdic_law_water *water);
+
 /* The rules on objects and on multipath. */
 void asdic_plan_objects(const asdic_plan_case *c, asdic_plan *plan);
 

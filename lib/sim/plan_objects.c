@@ -84,6 +84,24 @@ static asdic_scatterer scatterer_of(const asdic_plan_case *c, const asdic_materi
     return asdic_scatterer_at(material, &water);
 }
 
+/* Whether an object of M passes a mirror ray on. */
+static bool mirrors(const asdic_scatterer *m) {
+    return m->device.law == DEV_LAW_FACET && m->device.reflection2 > DEV_MIN_MIRROR;
+}
+
+bool asdic_scene_mirrors(const asdic_scene *scene, asdic_multipath multipath,
+                         const asdic_law_water *water) {
+    bool boundaries = multipath == ASDIC_MULTIPATH_BOUNDARIES;
+    bool found = boundaries && (scene->has_surface || scene->has_bottom_plane);
+    for (size_t i = 0; i < scene->part_count && !found && multipath != ASDIC_MULTIPATH_OFF; i++) {
+        const asdic_part *part = &scene->parts[i];
+        const asdic_scatterer m = asdic_scatterer_at(&scene->materials[part->material], water);
+        found = (part->kind == DEV_KIND_BOTTOM && boundaries) ||
+                (part->kind == DEV_KIND_OBJECT && mirrors(&m));
+    }
+    return found;
+}
+
 /* What bottom and surface send back per solid angle, times d^2 / TL: s / sin(Theta) at most. INFINITY
  * for a bottom of triangles, which may stand at any angle. */
 static double background_most(const asdic_plan_case *c) {
@@ -161,7 +179,7 @@ static void judge_pose(const asdic_plan_case *c, const bounds *b, size_t part,
 static verdict judge(const asdic_plan_case *c, const bounds *b, size_t part) {
     verdict v = {0};
     asdic_scatterer m = scatterer_of(c, &c->scene->materials[c->scene->parts[part].material]);
-    v.mirrors = m.device.law == DEV_LAW_FACET && m.device.reflection2 > DEV_MIN_MIRROR;
+    v.mirrors = mirrors(&m);
     if (c->scene->parts[part].moves) { /* where to is not known here */
         v.reached = v.faced = true;
         v.echo_lin = v.bounce_lin = INFINITY;

@@ -10,6 +10,7 @@
 #include "drift.h"
 #include "laws/tabulate.h"
 #include "layers.h"
+#include "plan_case.h"
 #include "points.h"
 #include "pulse.h"
 #include "scene/lifted.h"
@@ -146,30 +147,6 @@ static bool scene_echoes(const asdic_simulator *sim) {
 /* Objects that are left out are not traced either, unless a bottom of triangles is. */
 static bool needs_triangles(const asdic_simulator *sim) {
     return scene_echoes(sim) || asdic_simulator_has(sim, DEV_KIND_BOTTOM);
-}
-
-/* Whether anything in the scene can pass a mirror ray on. */
-static bool scene_has_mirrors(const asdic_simulator *sim) {
-    if (sim->setup.sampling.multipath == ASDIC_MULTIPATH_OFF ||
-        sim->setup.sampling.left_out & (1u << ASDIC_TERM_MULTIPATH)) {
-        return false;
-    }
-    bool boundaries = sim->setup.sampling.multipath == ASDIC_MULTIPATH_BOUNDARIES;
-    if (boundaries && (sim->setup.scene->has_surface || sim->setup.scene->has_bottom_plane)) {
-        return true;
-    }
-    for (size_t i = 0; i < sim->setup.scene->part_count; i++) {
-        const asdic_part *part = &sim->setup.scene->parts[i];
-        if (boundaries && part->kind == DEV_KIND_BOTTOM) {
-            return true;
-        }
-        if (part->kind == DEV_KIND_OBJECT &&
-            sim->setup.scatterers[part->material].device.law == DEV_LAW_FACET &&
-            sim->setup.scatterers[part->material].device.reflection2 > DEV_MIN_MIRROR) {
-            return true;
-        }
-    }
-    return false;
 }
 
 /* What the scene's materials and the surface scatter in this water. */
@@ -336,7 +313,10 @@ static asdic_status bring_scene(asdic_simulator *sim, const asdic_water_column *
     TRY(make_scatterers(sim, water));
     TRY(sim->device ? upload_materials(sim) : ASDIC_OK);
     TRY(sim->device ? upload_parts(sim) : ASDIC_OK);
-    sim->setup.has_mirrors = scene_has_mirrors(sim);
+    const asdic_law_water in = asdic_water_column_laws(water, &sim->setup.env, &sim->setup.sonar);
+    sim->setup.has_mirrors =
+        !(sim->setup.sampling.left_out & (1u << ASDIC_TERM_MULTIPATH)) &&
+        asdic_scene_mirrors(sim->setup.scene, sim->setup.sampling.multipath, &in);
     sim->setup.components = sim->setup.has_mirrors ? DEV_DEPOSIT_COUNT
                             : scene_echoes(sim)    ? DEV_DEPOSIT_OBJECT + 1u
                                                    : DEV_DEPOSIT_OBJECT;
