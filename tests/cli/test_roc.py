@@ -63,11 +63,17 @@ def test_a_target_that_no_beam_hears():
     with Folder() as folder:
         asked = ("roc", SCENE2, "--trials", "1000", "-o", "out", "-f", "--json", "--range", "20", "--bearing")
         done = asdic(*asked, "170", cwd=folder.path).check(0)
-        tap.contains(done.err, "no beam hears a target at 20 m and a bearing of 170 degrees")
+        tap.contains(done.err, "a target at 20 m and a bearing of 170 degrees is not heard by any beam: it is detected as")
         curve, = json.loads(done.out)
         tap.equal((round(curve["closed_area"], 6), round(curve["closed_pd"], 9)), (0.5, 0.001), "as often as nothing")
         done = asdic(*asked, "10", cwd=folder.path).check(0)
-        tap.equal("no beam" in done.err, False, done.err)
+        tap.equal("nothing is" in done.err, False, done.err)
+        # Of several designs that which hears next to nothing is named.
+        done = asdic(*asked, "10", "--vary", "sonar.noise.enabled=false,true", cwd=folder.path).check(0)
+        told = [line for line in done.err.splitlines() if "nothing is" in line]
+        tap.equal(len(told), 1, done.err)
+        tap.contains(told[0], "sonar.noise.enabled=true: a target at 20 m and a bearing of 10 degrees is ")
+        tap.contains(told[0], " dB below its background: it is detected as often as nothing is")
 
 
 ARRAY = """version: 1

@@ -413,20 +413,6 @@ static asdic_roc_case target_in(const scene_job *job, size_t beam, size_t cell) 
     return c;
 }
 
-/* A design that hears nothing may still be compared. */
-static void tell_unheard(const scene_job *job) {
-    const asdic_roc_options *o = job->options;
-    char what[2 * ASDIC_NAME_SIZE];
-    if (o->object) {
-        snprintf(what, sizeof what, "object '%s'", o->object);
-    } else {
-        snprintf(what, sizeof what, "a target at %.4g m and a bearing of %.4g degrees", o->range_m,
-                 o->bearing_rad * 180.0 / ASDIC_PI);
-    }
-    asdic_log(job->ctx, ASDIC_LOG_WARNING,
-              "no beam hears %s: it is detected as often as nothing is", what);
-}
-
 /* The cell in which the target stands out most, and its case. */
 static asdic_status find_cell(scene_job *job, size_t *cell, asdic_roc_case *found) {
     size_t beam, beam_end, first = 0, end = 0;
@@ -456,9 +442,6 @@ static asdic_status find_cell(scene_job *job, size_t *cell, asdic_roc_case *foun
     if (best < 0.0) {
         return asdic_fail(job->ctx, ASDIC_ERROR_ARGUMENT,
                           "nothing is received from there: no background to detect against");
-    }
-    if (best == 0.0) {
-        tell_unheard(job);
     }
     return ASDIC_OK;
 }
