@@ -245,6 +245,30 @@ trial:
         tap.equal(abs(float(row["seen_m"]) - max(m for m in off_m if m < 20)) < 0.05, True, f"{row}: {off_m}")
 
 
+def test_an_ideal_sonar_hears_what_is_near():
+    """A boat at 8 m/s, head-on, is heard from 20 m on, not while it is 126 m off and holding on for 20 m would meet it."""
+    scene = """
+version: 1
+bottom: {none: true}
+objects: [{name: boat, box: {size_m: [4, 4, 4]}, track: boat.csv}]
+sonar: {frequency_khz: 100, ping_rate_hz: 5, max_range_m: 40, bin_length_m: 0.5, receivers: [{}]}
+mission: {waypoints: {points_m: [[0, 0, 20], [60, 0, 20]], speed_mps: 1.5}}
+trial:
+  hull_radius_m: 0.2
+  ideal: {pd: 1}
+  rule: {manoeuvre: turn, turn_deg: 90, reach_m: 20}
+"""
+    first_m = 160
+    off_m = [first_m - step * (8 + 1.5) / 5 for step in range(90)]
+    with Folder() as folder:
+        folder.write("boat.csv", f"time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n0,{first_m + 2},0,20,0,0,0\n"
+                     f"30,{first_m + 2 - 240},0,20,0,0,0\n")
+        fly(folder, folder.write("boat.yaml", scene), 1)
+        row, = rows(folder)
+        tap.equal((row["what"], row["cause"]), ("boat", "could not turn"), f"{row}")
+        tap.equal(abs(float(row["seen_m"]) - max(m for m in off_m if m < 20.7)) < 0.05, True, f"{row}")
+
+
 def test_a_ratio_of_losses_is_a_posterior():
     """To give way for nothing loses 1, to hold on to something L: it is given way from p L = 1 - p on, and seldom later."""
     program.need_device()
