@@ -25,11 +25,14 @@
 /* A distribution cut down to less than this is a mistake. */
 #define LEAST_SHARE 1e-9
 
+/* Where numbers are looked at: at both ends, and between, at none that is whole. */
+static const double looks[] = {0.0, 1.0, 0.381966011250105};
+
 typedef struct drawer {
     asdic_schema_reader reader;
     const asdic_draw *draw; /* NULL: what may be drawn is looked at: */
     size_t entry;           /* of each choice this, at most the last; */
-    bool is_high;           /* and the upper end of numbers, or the lower */
+    double share;           /* and of numbers what lies so far from the lower to the upper end */
 } drawer;
 
 static bool is_draw(const asdic_yaml_node *node) {
@@ -95,10 +98,10 @@ static void draw_number(const drawer *d, const file_draw *file, uint64_t hash,
     double u = d->draw ? uniform_of(d, hash) : 0.0, value;
     bool is_uniform = asdic_yaml_child(file->node, "uniform");
     bool is_cut = asdic_yaml_child(file->node, "within");
-    if (!d->draw) { /* of tails without an end the middle */
-        value = is_uniform ? file->uniform[d->is_high]
-                : is_cut   ? file->within[d->is_high]
-                           : file->normal[0];
+    if (!d->draw) { /* of tails without an end the middle, or next to it */
+        const double middle[2] = {file->normal[0], file->normal[0] + 1e-6 * file->normal[1]};
+        const double *ends = is_uniform ? file->uniform : is_cut ? file->within : middle;
+        value = ends[0] + (ends[1] - ends[0]) * d->share;
     } else if (is_uniform) {
         value = file->uniform[0] + u * (file->uniform[1] - file->uniform[0]);
     } else {
@@ -599,10 +602,11 @@ static void check_ends(const asdic_schema_reader *r, const file_draw *draw, cons
     }
     for (bool good = true; (good || d.entry < own) && d.entry < (widest > 0 ? widest : 1);
          d.entry++) {
-        d.is_high = false;
-        good = check_end(&d, draw, key);
-        d.is_high = true;
-        good = good && check_end(&d, draw, key);
+        good = true;
+        for (size_t i = 0; i < sizeof looks / sizeof *looks && good; i++) {
+            d.share = looks[i];
+            good = check_end(&d, draw, key);
+        }
     }
 }
 
