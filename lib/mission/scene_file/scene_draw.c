@@ -496,8 +496,9 @@ static void check_key(const file_draw *draw, asdic_problems *problems) {
         asdic_yaml_problem(problems, key, "a trial cannot draw its own '%s'", key->text);
     } else if (strcmp(key->text, "sampling.seed") == 0) {
         asdic_yaml_problem(problems, key,
-                           "'sampling.seed' cannot be drawn: each run's seed comes of the trial's "
-                           "(--seed)");
+                           "'sampling.seed' cannot be drawn: leave it out, rays and speckle are "
+                           "others in each run of a trial (by its --seed), and in each frame of a "
+                           "data set (by 'sampling: {seed: ...}' and the frame's number)");
     }
 }
 
