@@ -159,6 +159,7 @@ def test_the_cause_is_by_the_first_turn():
     cleared it, one to port would not, for the wall there."""
     walls = """
   - {name: port, box: {size_m: [40, 2, 40]}, position_m: [25, -8, 10]}
+  - {name: starboard, box: {size_m: [2, 30, 40]}, position_m: [50, 20, 10]}
   - {name: pillar, box: {size_m: [2, 4, 40]}, position_m: [25, 6, 10]}
 sonar:"""
     scene = IDEAL.replace("PD", "1, pfa: 0").replace("turn_deg: 150", "turn_deg: 100").replace("\nsonar:", walls, 1)
