@@ -87,12 +87,15 @@ static asdic_nearest fly(const run *r, asdic_pilot *p, const asdic_order *order,
     return nearest;
 }
 
-/* Whether a copy of FROM that flies by ORDER for DISTANCE_M from TIME_S comes within the hull's
- * radius of something, and of which PART, as of asdic_nearest. */
+/* Whether a copy of FROM that flies by ORDER for DISTANCE_M from TIME_S comes within the hull's radius of something; if
+ * IS_NEAR, of something that is no farther off at TIME_S: what comes may be far beyond as yet. */
 static bool would_hit(const run *r, const asdic_pilot *from, double time_s,
-                      const asdic_order *order, double distance_m, size_t *part) {
+                      const asdic_order *order, double distance_m, bool is_near) {
     asdic_pilot p = *from;
-    double hull_m = r->plan->hull_radius_m, end_s = time_s + distance_m / SLOWEST_MPS;
+    const asdic_way look = {position(&p),
+                            asdic_vec3_add(position(&p), (asdic_vec3){1.0, 0.0, 0.0})};
+    double hull_m = r->plan->hull_radius_m, begin_s = time_s,
+           end_s = time_s + distance_m / SLOWEST_MPS;
     /* The last step may go beyond the distance; no vehicle here does so at more than this. */
     double most_m = distance_m + FASTEST_MPS * p.model.step_s + hull_m;
     if (!asdic_hazards_move(r->hazards) &&
@@ -103,8 +106,10 @@ static bool would_hit(const run *r, const asdic_pilot *from, double time_s,
     for (double flown_m = 0.0; flown_m < distance_m && time_s < end_s;) {
         asdic_nearest near =
             fly(r, &p, order, &time_s, p.model.step_s, hull_m + HAIR_M, hull_m, &flown_m);
-        if (near.distance_m <= hull_m) {
-            *part = near.part;
+        if (near.distance_m <= hull_m &&
+            (!is_near || near.part == ASDIC_NOTHING ||
+             isfinite(asdic_hazards_ahead(r->hazards, near.part, &look, begin_s, ASDIC_PI,
+                                          fmax(distance_m, flown_m) + hull_m + HAIR_M)))) {
             return true;
         }
         if (!order && asdic_pilot_is_done(&p)) {
@@ -114,14 +119,11 @@ static bool would_hit(const run *r, const asdic_pilot *from, double time_s,
     return false;
 }
 
-/* The rule's reach, to the end of its last bin. */
-static double far_m(const run *r) {
-    return r->plan->reach_m + r->mission->settings.sonar.bin_length_m;
-}
-
-/* Whether holding on along the waypoints for the rule's reach would hit something, and which PART. */
-static bool is_something_ahead(const run *r, size_t *part) {
-    return would_hit(r, &r->pilot, r->time_s, NULL, far_m(r) + r->plan->hull_radius_m, part);
+/* Whether holding on along the waypoints would hit something within the rule's reach; IS_NEAR as above. */
+static bool is_something_ahead(const run *r, bool is_near) {
+    double bin_m = r->mission->settings.sonar.bin_length_m;
+    return would_hit(r, &r->pilot, r->time_s, NULL,
+                     r->plan->reach_m + bin_m + r->plan->hull_radius_m, is_near);
 }
 
 /* --- the rule ---------------------------------------------------------------------------------- */
@@ -193,26 +195,6 @@ static bool sees(const run *r, const asdic_loop_ping *ping, const asdic_scan_res
     return best > -INFINITY;
 }
 
-/* Whether PART, as of asdic_nearest, is of the bottom. */
-static bool is_bottom(const run *r, size_t part) {
-    const asdic_scene *scene = r->mission->scene;
-    return part == ASDIC_NOTHING ||
-           (part < scene->part_count && scene->parts[part].kind != DEV_KIND_OBJECT);
-}
-
-/* Whether it would be hit by holding on, and is within the rule's reach: what moves may be far beyond as yet. */
-static bool is_something_near(const run *r) {
-    size_t part;
-    if (!is_something_ahead(r, &part)) {
-        return false;
-    }
-    asdic_vec3 at_m = position(&r->pilot);
-    const asdic_way look = {at_m, asdic_vec3_add(at_m, (asdic_vec3){1.0, 0.0, 0.0})};
-    return is_bottom(r, part) || !asdic_hazards_move(r->hazards) ||
-           isfinite(asdic_hazards_ahead(r->hazards, part, &look, r->time_s, ASDIC_PI,
-                                        far_m(r) + r->plan->hull_radius_m));
-}
-
 /* What a sonar of given probabilities says. */
 static bool ideal_sees(const run *r, size_t ping) {
     asdic_variates v =
@@ -221,7 +203,7 @@ static bool ideal_sees(const run *r, size_t ping) {
     bool where_something = u < r->plan->pd, where_nothing = u < r->plan->pfa;
     /* What is ahead is flown to only where it matters. */
     return where_something == where_nothing ? where_nothing
-           : is_something_near(r)           ? where_something
+           : is_something_ahead(r, true)    ? where_something
                                             : where_nothing;
 }
 
@@ -287,8 +269,7 @@ static asdic_status ping(run *r, asdic_eye *eye, char *why) {
     if (r->gives_way && !gave_way) {
         r->began = r->out->pings;
         r->out->manoeuvres++;
-        size_t part;
-        r->out->needless += !is_something_ahead(r, &part);
+        r->out->needless += !is_something_ahead(r, false);
     }
     r->out->pings++;
     return ASDIC_OK;
@@ -307,11 +288,14 @@ static void name_part(const run *r, size_t part, char out[ASDIC_NAME_SIZE]) {
 /* From the vehicle at MOMENT to the nearest surface of what it hit that was in the rule's sector then, and nearer than
  * WITHIN_M; INFINITY: none. The bottom is always below: of it the place where it was hit counts. */
 static double range_m(const run *r, const moment *then, double within_m) {
+    const asdic_scene *scene = r->mission->scene;
     const flight_state *s = &then->pilot.state;
     asdic_vec3 at_m = position(&then->pilot);
     asdic_vec3 bow = {cos(s->yaw_rad) * cos(s->pitch_rad), sin(s->yaw_rad) * cos(s->pitch_rad),
                       -sin(s->pitch_rad)};
-    if (is_bottom(r, r->met)) {
+    bool is_bottom = r->met == ASDIC_NOTHING ||
+                     (r->met < scene->part_count && scene->parts[r->met].kind != DEV_KIND_OBJECT);
+    if (is_bottom) {
         return asdic_vec3_length(asdic_vec3_sub(position(&r->pilot), at_m));
     }
     const asdic_way look = {at_m, asdic_vec3_add(at_m, bow)};
@@ -355,8 +339,7 @@ static void find_cause(run *r) {
         asdic_vec3_length(asdic_vec3_sub(position(&from.pilot), position(&r->pilot)));
     /* Of one that turned round, farther than straight on. */
     double way_m = fmax(1.5 * straight_m, 1.1 * (out->distance_m - from.way_m));
-    size_t part;
-    out->cause = would_hit(r, &from.pilot, from.time_s, &order, way_m, &part)
+    out->cause = would_hit(r, &from.pilot, from.time_s, &order, way_m, false)
                      ? ASDIC_TRIAL_COULD_NOT_TURN
                      : ASDIC_TRIAL_SEEN_LATE;
 }

@@ -270,6 +270,24 @@ trial:
         tap.equal(abs(float(row["seen_m"]) - max(m for m in off_m if m < 20.7)) < 0.05, True, f"{row}")
 
 
+def test_a_boat_does_not_hide_what_stands():
+    """A wall is heard at the same ping, as far off as a hull of 1.5 m makes it, whether a boat is far away or 150 m off, on
+    its way to where holding on would meet it before the wall."""
+    scene = IDEAL.replace("PD", "1").replace("hull_radius_m: 0.2", "hull_radius_m: 1.5").replace("depth_m: 20", "depth_m: 200")
+    boat = "  - {name: boat, box: {size_m: [4, 4, 4]}, track: boat.csv}\nsonar:"
+    flown = []
+    with Folder() as folder:
+        for way in None, ("500,0", "600,0"), ("53,500", "53,-137"):
+            if way:
+                folder.write("boat.csv", "time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n"
+                             f"0,{way[0]},10,0,0,0\n45,{way[1]},10,0,0,0\n")
+            path = folder.write("boat.yaml", scene.replace("sonar:", boat, 1) if way else scene)
+            asdic("trial", path, "--replay", 0, "-f", "-o", folder / "run").check(code=0)
+            with open(folder / "run/track.csv", encoding="utf-8") as file:
+                flown.append(file.read())
+    tap.equal(flown[1:], 2 * flown[:1])
+
+
 def test_a_ratio_of_losses_is_a_posterior():
     """To give way for nothing loses 1, to hold on to something L: it is given way from p L = 1 - p on, and seldom later."""
     program.need_device()
