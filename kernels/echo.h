@@ -434,7 +434,7 @@ static real strength(const world *w, const law_lanes *l, slant a, real range) {
 static real grazing(const meeting *m, triple u) {
     real s = r_abs(dot3(m->facet, u));
     mask object = (m->kind == DEV_KIND_OBJECT);
-    return r_max(r_min(s, R(1.0)), choose(object, R(1e-3), R(1e-6)));
+    return r_max(r_min(s, R(1.0)), choose(object, R(1e-3), R(1e-9)));
 }
 
 /* The grazing angle on the surface that the facet stands for, which scattering laws ask for. Where that

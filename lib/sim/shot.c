@@ -107,10 +107,25 @@ static void set_scales(const asdic_scene *scene, const asdic_beam *transmitter,
 static const float zone_share[5] = {0.03f, 0.57f, 0.07f, 0.30f, 0.03f};
 
 /* A sonar that lies on a bottom plane is taken to be this share of the range above it: what the
- * bottom returns hardly depends on so little, and grazing angles stay in reach of single precision. */
+ * bottom returns hardly depends on so little, and grazing angles stay in reach of single precision.
+ * Where rays bend away from the plane they meet it up to sqrt(2 height / bend) away, which is then
+ * to be no more than this share of the range that a sonar listens from. */
 #define LEAST_PLANE 2e-6
+#define UNHEARD 0.5
 /* Meshes as near as this have slopes that the zones of a plane would starve. */
 #define LEAST_MESH 2e-3
+
+/* The least height above a bottom plane. */
+static double least_height_m(const asdic_simulator *sim, double depth_m) {
+    const dev_ping *ping = &sim->setup.ping;
+    double from_m = UNHEARD * (ping->blanking_m > 0.0f ? ping->blanking_m : ping->bin_m);
+    double least_m = LEAST_PLANE * ping->reach_m;
+    asdic_layers layers;
+    asdic_layers_of(&sim->setup.env, depth_m, &layers);
+    const asdic_layer *layer = &layers.layer[asdic_layers_find(&layers, depth_m)];
+    double bend = layer->gradient_per_s / asdic_layer_speed_mps(layer, depth_m);
+    return bend > 0.0 ? fmin(0.5 * bend * from_m * from_m, least_m) : least_m;
+}
 
 /* Whether rays up there matter: what a surface mirrors is heard even where its own echo is not. */
 static bool surface_counts(const asdic_simulator *sim) {
@@ -119,15 +134,15 @@ static bool surface_counts(const asdic_simulator *sim) {
             asdic_simulator_boundaries_mirror(sim));
 }
 
-/* The zones end where rays that bend away from a plane graze it, with this sine where double precision still has one,
- * and leave a gap of GAP's sine between them. */
+/* The zones end where rays that bend away from a plane graze it, with this share of their sine at the sonar, which
+ * double precision still knows, and leave a gap of GAP's sine between them. */
 #define GRAZE 1e-6
 #define GAP 0.005
 
 /* The range up to which rays meet a plane HEIGHT below the sonar, or above it with BEND the other way. */
 static double zone_far(double height, double bend, double reach) {
     double turn = 2.0 * bend * height * (1.0 + 0.5 * bend * height);
-    double sine = sqrt(fmax(GRAZE * GRAZE + turn, 0.0) / (1.0 + turn));
+    double sine = sqrt(fmax(turn, 0.0) * (1.0 + GRAZE * GRAZE) / (1.0 + turn));
     return turn > 0.0 ? fmin(ray_plane_range(height, sine, bend), reach) : reach;
 }
 
@@ -156,7 +171,7 @@ static void place_zones(const asdic_simulator *sim, const asdic_pose *pose, dev_
     double altitude = asdic_scene_altitude_m(sim->setup.scene, pose->position_m);
     bool plane = sim->setup.scene->has_bottom_plane &&
                  altitude == sim->setup.scene->bottom_plane_depth_m - pose->position_m.z;
-    double least = (plane ? LEAST_PLANE : LEAST_MESH) * range;
+    double least = plane ? least_height_m(sim, pose->position_m.z) : LEAST_MESH * range;
     double depth = surface_counts(sim) ? pose->position_m.z : INFINITY;
     double share = sim->learnt.zone_altitude;
     if (plane && share == ASDIC_ZONE_ALTITUDE &&
@@ -350,7 +365,7 @@ static void place_sonar(const asdic_simulator *sim, const asdic_ping_shot *shot)
     ping->surface_m = scene->has_surface ? (float)pose->position_m.z : INFINITY;
     ping->bottom_m = scene->has_bottom_plane
                          ? (float)fmax(scene->bottom_plane_depth_m - pose->position_m.z,
-                                       LEAST_PLANE * ping->reach_m)
+                                       least_height_m(sim, pose->position_m.z))
                          : INFINITY;
     ping->absorption_np_per_m = (float)shot->water.absorption_np_per_m;
     ping->wavelength_m = (float)shot->water.wavelength_m;

@@ -139,6 +139,23 @@ double hard_over_the_bottom_in_layers(void) {
     return fmax(through_layers(12.0 - 1e-5, false), through_layers(12.0 - 1e-5, true));
 }
 
+/* Rays bend away from the bottom, which a sonar on it does not hear, and one just above hears from as near as a bin. */
+double hard_bent_off_the_bottom(void) {
+    static const double above_m[] = {0.0, 1e-5, 1e-4, 1e-3}, gradient_per_s[] = {0.016, 0.3, 0.0};
+    double most = 0.0;
+    for (int k = 0; k < 12; k++) {
+        ping_rig r = one_beam(12.0 - above_m[k % 4], 0.0);
+        r.env.sound_speed_gradient_per_s = gradient_per_s[k / 4];
+        if (k / 4 == 2) {
+            r.env.sound_speed_profile =
+                (asdic_sound_profile){3, {0.0, 10.0, 20.0}, {1480.0, 1482.0, 1490.0}};
+        }
+        r.sampling.rays = 1 << 16;
+        most = fmax(most, compare(&r, ASDIC_TOTAL, ALL_BINS).most_db);
+    }
+    return most;
+}
+
 double hard_in_the_surface_in_layers(void) {
     return fmax(through_layers(0.0, false), through_layers(0.0, true));
 }
