@@ -23,10 +23,13 @@
 /* The levels' distance: less would take more deposits than it saves rays. */
 #define VOLUME_STEP R(0.25)
 /* Arrivals of a ray, at most: two where it ends, the others of steps. Where F changes more often, levels are farther
- * apart, up to this; where it still does, F is its mean over some part of the way. */
+ * apart, up to this; where it still does, F is its mean over parts of the way, longer ones farther out: near the sonar
+ * the water is all that is heard, and its mean over some metres is not what a bin has. Their length is a share of the
+ * range and so many bins. */
 #define VOLUME_ROWS ((int)(DEV_WATER_SETS * MAX_ARRIVALS))
 #define VOLUME_STEPS (VOLUME_ROWS - 2)
 #define VOLUME_HIGH R(1.5)
+#define VOLUME_NEAR R(8.0)
 /* Between places on the way at which F is looked at, the width of a tube changes by this share, or by more, where
  * F changes by less than VOLUME_EVEN; but they are this share of the range apart at least, less than what a caustic
  * is held over. Any part of a leg is taken at once where F changes by less than VOLUME_FLAT: on a leg F has
@@ -186,7 +189,8 @@ static volume_draw draw_volume(__global const dev_ping *ping, natural rays) {
     return d;
 }
 
-/* How F is rounded: levels a factor e^HEIGHT apart, MIDDLE as above; SPAN > 0: of means over so long a way. */
+/* How F is rounded: levels a factor e^HEIGHT apart, MIDDLE as above; SPAN > 0: of means over such a
+ * share of the range. */
 typedef struct volume_grain {
     real height, middle, span;
 } volume_grain;
@@ -220,7 +224,8 @@ static void round_share(steps *s, rounding *at, const wander *way, const volume_
     mask coarse = grain->span > R(0.0);
     real apart = way->range - before, over = way->range - at->from;
     at->sum += choose(on, R(0.5) * (way->f + f_before) * apart, R(0.0));
-    mask whole = on & ((coarse == 0) | (over >= grain->span) | (way->range >= way->end));
+    mask whole = on & ((coarse == 0) | (over >= grain->span * (at->from + VOLUME_NEAR * bin_m)) |
+                       (way->range >= way->end));
     real f = choose(coarse, at->sum / r_max(over, R(1e-6)), way->f);
     real now = level_of(f, draw, grain), level = r_floor(now);
     mask leap = whole & (level != at->level);
@@ -336,9 +341,9 @@ static steps follow_water(__global const dev_ping *ping, const water_store *stor
 }
 
 /* Makes the grain coarser OVER where there were so many ROWS: first levels, then means. */
-static void coarsen(volume_grain *grain, __global const dev_ping *ping, natural last, whole rows,
-                    mask over) {
-    real span = (to_real(last) + R(1.0)) * (real)(1.1f * ping->bin_m / (float)(VOLUME_STEPS));
+static void coarsen(volume_grain *grain, natural last, whole rows, mask over) {
+    real span =
+        (real)(1.1f / (float)(VOLUME_STEPS)) * log(R(1.0) + (to_real(last) + R(1.0)) / VOLUME_NEAR);
     real needed = VOLUME_STEP * (real)(1.2f / (float)(VOLUME_STEPS)) * to_real(rows - 2);
     mask levels = over & (grain->height == VOLUME_STEP) & (needed <= VOLUME_HIGH);
     *grain =
@@ -416,7 +421,7 @@ APART static uint echo_of_water(const world *w, const water_store *store, const 
         }
         mask over = (s.rows > VOLUME_ROWS) & (grain.span == R(0.0));
         if (any_true(over)) {
-            coarsen(&grain, w->ping, end.last, s.rows, over);
+            coarsen(&grain, end.last, s.rows, over);
             continue;
         }
         mask here = rows > row;
