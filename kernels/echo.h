@@ -539,13 +539,12 @@ static split_echo split(__global const dev_ping *ping, real at, real nearest, re
     real half_width = R(0.5) * r_min(footprint, R(0.5) * bin);
     real lo = r_max(range - half_width, nearest), hi = range + half_width;
     natural last = (natural)(ping->bins - 1u);
-    e.bin = min(to_natural(lo / bin), last);
+    mask point = hi - lo < R(1e-5); /* rounding of ranges would show */
+    e.bin = min(to_natural(choose(point, range, lo) / bin), last);
     real edge = (to_real(e.bin) + R(1.0)) * bin;
     real begin = r_max(lo, (real)(ping->blanking_m));
-    real width = hi - lo;
-    mask point = width < R(1e-5); /* rounding of ranges would show */
-    real first = r_max(r_min(hi, edge) - begin, R(0.0)) / width;
-    real second = r_max(r_min(hi, end) - r_max(edge, begin), R(0.0)) / width;
+    real first = r_max(r_min(hi, edge) - begin, R(0.0)) / (hi - lo);
+    real second = r_max(r_min(hi, end) - r_max(edge, begin), R(0.0)) / (hi - lo);
     mask received = (at >= (real)(ping->blanking_m)) & (at <= end);
     first = choose(point, choose(received, R(1.0), R(0.0)), first);
     second = choose(point, R(0.0), second);

@@ -47,6 +47,7 @@ double hard_on_the_bottom_in_layers(void);
 double hard_over_the_bottom_in_layers(void);
 double hard_in_the_surface(void);
 double hard_bent_off_the_bottom(void);
+double hard_where_blanking_ends(void);
 double hard_in_the_surface_in_layers(void);
 double hard_between_layers(void);
 double hard_every_attitude(void);

@@ -52,6 +52,7 @@ static const hard_case planes[] = {
     {"sonar on the bottom, layers", hard_on_the_bottom_in_layers, 0.05, "dB"},
     {"sonar 10 um above it, layers", hard_over_the_bottom_in_layers, 0.05, "dB"},
     {"sonar 0 to 1 mm above it, rays bend away", hard_bent_off_the_bottom, 0.05, "dB"},
+    {"the bottom right below where blanking ends, layers", hard_where_blanking_ends, 0.05, "dB"},
     {"sonar in the surface, layers", hard_in_the_surface_in_layers, 0.05, "dB"},
     {"sonar where layers meet", hard_between_layers, 0.05, "dB"},
     {"sonar in the surface", hard_in_the_surface, 0.05, "dB"},
