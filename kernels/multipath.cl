@@ -353,6 +353,7 @@ typedef struct bounce_way {
     real mirror[4];
     meeting m;
     triple u, v, x, back; /* directions: sent, at X in and out, at the sonar in reverse */
+    real sin_grazing;     /* of V */
     real same_range, cross_range;
     real same, cross; /* losses, relative to TL d^2 of these ranges, same without share */
 } bounce_way;
@@ -371,6 +372,7 @@ static void follow_bounces(const world *w, const bounce_store *store, uint slot,
     real range = ray_range(&r, t2), q = at.q / r.pace, minus_2k = -2.0f * ping->absorption_np_per_m;
     real arc = r.arc + bent_arc(&r, &at);
     way->v = ray_direction(&r, t2);
+    way->sin_grazing = r_max(grazing(&way->m, way->v), ray_least_grazing(&r));
     real tube = mirrored_tube(&r, t2, before, way->mirror[1], way->mirror[2], way->mirror[3]);
     tube = r_max(tube, (real)(BENT_CAUSTIC)*range * range * q);
     way->same_range = range;
@@ -418,6 +420,7 @@ static void follow_bounces(const world *w, const bounce_store *store, uint slot,
     mask met = way->on & (way->m.kind != DEV_KIND_NONE);
     real t2 = choose(met, way->m.t, R(0.0)), d1 = way->mirror[1], d2 = ray_range(&r, t2);
     way->v = ray_direction(&r, t2);
+    way->sin_grazing = r_max(grazing(&way->m, way->v), ray_least_grazing(&r));
     real visible = R(0.0), t3 = R(1.0);
     LANES {
         dev_ray back = store->returning[slot + lane];
@@ -457,8 +460,8 @@ typedef struct bounce_footprint {
     real same, cross;
 } bounce_footprint;
 
-static bounce_footprint bounce_footprints(const world *w, const bounce_way *way, real splat,
-                                          real sin_grazing) {
+static bounce_footprint bounce_footprints(const world *w, const bounce_way *way, real splat) {
+    real sin_grazing = way->sin_grazing;
     const triple *v = &way->v, *n = &way->m.facet;
     real level = sqrt(r_max((R(1.0) - v->z) * (R(1.0) + v->z), R(1e-12)));
     triple across = {-v->z * v->x / level, -v->z * v->y / level, level};
@@ -569,8 +572,7 @@ APART static uint shade_bounces(const world *w, const bounce_store *store, const
     slant in = surface_slant(&way.m, way.v), out = surface_slant(&way.m, way.x);
     real s_in = strength(w, &laws, in, way.same_range);
     real s_out = strength(w, &laws, out, way.same_range);
-    real sin_grazing = grazing(&way.m, way.v);
-    weight *= share / sin_grazing;
+    weight *= share / way.sin_grazing;
     real same = choose(met, weight * share * s_in * way.same, R(0.0));
     triple middle = half_turn(way.x, way.v);
     real between =
@@ -579,8 +581,8 @@ APART static uint shade_bounces(const world *w, const bounce_store *store, const
     between -=
         lobe_of_reverse(w, store, &way, &laws, middle, half_turn(way.v, u), between - diffuse);
     real cross = choose(met, weight * between * way.cross, R(0.0));
-    bounce_footprint spread = bounce_footprints(w, &way, splat, sin_grazing);
-    real nearest = way.same_range * sin_grazing;
+    bounce_footprint spread = bounce_footprints(w, &way, splat);
+    real nearest = way.same_range * way.sin_grazing;
     split_echo same_echo = split(ping, way.same_range, nearest, same, spread.same);
     nearest += (R(2.0) * way.cross_range - way.same_range) * out.sine;
     split_echo cross_echo = split(ping, way.cross_range, R(0.5) * nearest, cross, spread.cross);
