@@ -233,6 +233,11 @@ static inline real *sum_of(const fan_run *run, uint c) {
     return &run->sums[sum_at(run->entry->rows, c)][run->p];
 }
 
+/* What deposit C of RUN brought, which is not put yet: kept meanwhile, what was there takes registers of the loop. */
+static inline real grown(const fan_run *run, uint c, real sum) {
+    return sum - *sum_of(run, c);
+}
+
 /* Deposit C of RUN brought its sum to SUM and, where it is an echo, DOWN to that of depressions. */
 static inline void put(const fan_run *run, uint c, real sum, real down) {
     real *to = sum_of(run, c);
@@ -241,7 +246,7 @@ static inline void put(const fan_run *run, uint c, real sum, real down) {
         to[behind_of(run->entry->truth) * PARTS] += down;
         if (run->cells[c]) {
             truth_cells cells = run->cells[c] + run->p * ASDIC_WIDTH;
-            STORE_REAL(LOAD_REAL(cells) + (sum - *to), cells);
+            STORE_REAL(LOAD_REAL(cells) + grown(run, c, sum), cells);
         }
     }
 #endif
@@ -273,9 +278,8 @@ static inline real down_of(__global const fan_entry *entry) {
 WITHIN void add_run(__global const dev_ping *ping, fan_run run, const receivers *r, uint parts,
                     const bool unlike, const bool mirrored) {
     for (fan_run to = run; to.p < parts; to.p++) {
-        const real b0 = *sum_of(&to, 0u), b1 = *sum_of(&to, 1u);
-        const real b2 = *sum_of(&to, 2u), b3 = *sum_of(&to, 3u);
-        real s0 = b0, s1 = b1, s2 = b2, s3 = b3;
+        real s0 = *sum_of(&to, 0u), s1 = *sum_of(&to, 1u);
+        real s2 = *sum_of(&to, 2u), s3 = *sum_of(&to, 3u);
         real d0 = R(0.0), d1 = R(0.0), d2 = R(0.0), d3 = R(0.0);
         real l0 = R(0.0), l1 = R(0.0), l2 = R(0.0), l3 = R(0.0);
         for (uint from = 0; from < to.count; from += TOGETHER) {
@@ -309,10 +313,10 @@ WITHIN void add_run(__global const dev_ping *ping, fan_run run, const receivers 
             }
         }
         const real down = down_of(to.entry);
-        put(&to, 0u, s0, unlike ? d0 : (s0 - b0) * down);
-        put(&to, 1u, s1, unlike ? d1 : (s1 - b1) * down);
-        put(&to, 2u, s2, unlike ? d2 : (s2 - b2) * down);
-        put(&to, 3u, s3, unlike ? d3 : (s3 - b3) * down);
+        put(&to, 0u, s0, unlike ? d0 : grown(&to, 0u, s0) * down);
+        put(&to, 1u, s1, unlike ? d1 : grown(&to, 1u, s1) * down);
+        put(&to, 2u, s2, unlike ? d2 : grown(&to, 2u, s2) * down);
+        put(&to, 3u, s3, unlike ? d3 : grown(&to, 3u, s3) * down);
         if (mirrored) {
             put_largest(&to, 0u, l0);
             put_largest(&to, 1u, l1);
