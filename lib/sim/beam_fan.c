@@ -185,8 +185,9 @@ asdic_status asdic_beam_fan_project(asdic_beam_fan *fan, const dev_ping *ping,
 /* The lock is held. */
 static asdic_status wait_in_order(asdic_beam_fan *fan, asdic_device *device, size_t tile) {
     for (size_t at = atomic_load(&fan->fetched); at <= tile; at++) {
-        TRY(asdic_fetch_wait(device, &fan->fetches[at]));
+        /* The later one first: a thread then sleeps once. */
         TRY(asdic_fetch_wait(device, &fan->fetches[fan->tiles + at]));
+        TRY(asdic_fetch_wait(device, &fan->fetches[at]));
         atomic_store(&fan->fetched, at + 1);
     }
     return ASDIC_OK;

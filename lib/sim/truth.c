@@ -173,7 +173,8 @@ asdic_status asdic_truth_begin(asdic_simulator *sim, size_t count, asdic_ping *c
         return ASDIC_OK;
     }
     TRY(make_room(sim, cells * copies(sim)));
-    TRY(asdic_buffer_write(t->table_buffer, 0, count * t->rows * sizeof *t->table, t->table));
+    /* The host changes the table again only for later shots, when it has what these became. */
+    TRY(asdic_buffer_send(t->table_buffer, count * t->rows * sizeof *t->table, t->table));
     return asdic_buffer_zero(t->cell_buffer, t->bytes);
 }
 
