@@ -14,12 +14,12 @@
 static inline float arcsine(float x) {
     static const float a[8] = {1.5707963050f, -0.2145988016f, 0.0889789874f, -0.0501743046f,
                                0.0308918810f, -0.0170881256f, 0.0066700901f, -0.0012624911f};
-    float y = fabsf(x), y2 = y * y;
+    float y = fabsf(x) < 1.0f ? fabsf(x) : 1.0f, y2 = y * y; /* rounding may lead beyond 1 */
     float low = a[0] + a[1] * y + (a[2] + a[3] * y) * y2;
     float high = a[4] + a[5] * y + (a[6] + a[7] * y) * y2;
     float sum = low + high * (y2 * y2);
     float angle = (float)(0.5 * ASDIC_PI) - sqrtf(1.0f - y) * sum;
-    return x < 0.0f ? -angle : angle; /* copysign keeps AVX-512's vectors out */
+    return (x < 0.0f ? -1.0f : 1.0f) * angle; /* copysign keeps AVX-512's vectors out */
 }
 
 /* Of a block of bins: what makes energies shares, and shares. */
@@ -33,6 +33,7 @@ typedef struct block {
 WIDEST static void tell_shares(const asdic_holdings *h, size_t first, size_t count,
                                block *restrict k, float *restrict multiple, float *restrict noisy,
                                float *restrict strongest_object) {
+    const double *restrict total = h->part[ASDIC_TOTAL] + first;
     const double *restrict bottom = h->part[ASDIC_BOTTOM] + first;
     const double *restrict surface = h->part[ASDIC_SURFACE] + first;
     const double *restrict volume = h->part[ASDIC_VOLUME] + first;
@@ -41,8 +42,8 @@ WIDEST static void tell_shares(const asdic_holdings *h, size_t first, size_t cou
     const double *restrict noise = h->part[ASDIC_NOISE] + first;
     const double *restrict most = h->most + first, *restrict moment = h->moment + first;
     for (size_t n = 0; n < count; n++) {
-        double total = bottom[n] + surface[n] + object[n] + volume[n] + multipath[n] + noise[n];
-        double per_total = 1.0 / (total > 0.0 ? total : 1.0);
+        /* A sum, not a choice: compilers would choose again for every share. */
+        double per_total = 1.0 / (total[n] + DBL_MIN);
         k->per_total[n] = per_total;
         k->bottom[n] = (float)(bottom[n] * per_total);
         k->surface[n] = (float)(surface[n] * per_total);
@@ -85,9 +86,7 @@ WIDEST static void tell_arrival(const block *restrict k, const float *restrict m
     for (size_t n = 0; n < count; n++) {
         float echo = k->bottom[n] + k->surface[n] + k->object[n];
         float all = (float)ASDIC_TRUTH_MIDDLE * (echo + multiple[n]);
-        float sine = k->moment[n] / (all > FLT_MIN ? all : FLT_MIN) - 1.0f;
-        sine = sine > 1.0f ? 1.0f : sine;
-        sine = sine < -1.0f ? -1.0f : sine;
+        float sine = k->moment[n] / all - 1.0f;
         direct[n] = echo + k->volume[n];
         depression[n] = all > 0.0f ? arcsine(sine) : NAN;
     }

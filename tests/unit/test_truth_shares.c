@@ -34,9 +34,11 @@ static double drawn(uint32_t *state) {
 static void fill(rig *r) {
     uint32_t state = 5;
     for (size_t n = 0; n < BINS; n++) {
+        r->part[ASDIC_TOTAL][n] = 0.0;
         for (int c = ASDIC_BOTTOM; c < ASDIC_COMPONENT_COUNT; c++) {
             double energy = pow(10.0, 3.0 * drawn(&state) - 9.0);
             r->part[c][n] = n % 11 == 10 || drawn(&state) < 0.3 ? 0.0 : energy;
+            r->part[ASDIC_TOTAL][n] += r->part[c][n];
         }
         r->most[n] = r->part[ASDIC_OBJECT][n] * (0.5 + 0.5 * drawn(&state));
         r->by_surface[n] = 0.6 * drawn(&state) * r->part[ASDIC_MULTIPATH][n];
