@@ -236,8 +236,8 @@ typedef struct telling {
     double *work, *scratch; /* the thread's */
 } telling;
 
-WIDEST static void take_floats(const float *restrict cells, const double *restrict axis_lin,
-                               size_t beams, double worth, double *restrict to, size_t stride) {
+static void take_floats(const float *restrict cells, const double *restrict axis_lin, size_t beams,
+                        double worth, double *restrict to, size_t stride) {
     for (size_t b = 0; b < beams; b++) {
         to[b * stride] = (double)cells[b] * axis_lin[b] * worth;
     }
