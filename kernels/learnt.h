@@ -63,9 +63,8 @@ static real azimuth_density(__global const dev_ping *ping, __global const float 
              begin = (real)(ping->sampling.lobe[j].share_begin);
         real part = share * a.near_share;
         for (uint side = 0; side < 2u; side++) {
-            real center = side == 0u ? a.near : a.far;
-            real limit = side == 0u ? a.near_limit : a.far_limit;
-            azimuth_at at = lobe_of(&a, wrap_angle(phi - center), limit);
+            mask far = (natural)(side) != (natural)(0u);
+            azimuth_at at = lobe_of(&a, wrap_angle(phi - choose(far, a.far, a.near)), far);
             real here = begin + part * at.below, own = part * at.density;
             *y = choose(own > most, here, *y);
             most = r_max(most, own);
@@ -112,15 +111,15 @@ static ray_sample sample_adaptive(__global const dev_ping *ping, __global const 
         picked.far_limit = choose(here, own.far_limit, picked.far_limit);
         picked.scale = choose(here, own.scale, picked.scale);
         picked.near_share = choose(here, own.near_share, picked.near_share);
-        picked.core = choose(here, own.core, picked.core);
+        picked.near_core = choose(here, own.near_core, picked.near_core);
+        picked.far_core = choose(here, own.far_core, picked.far_core);
         xi = choose(here, (y - (real)(lobes[j].share_begin)) / (real)(lobes[j].share), xi);
     }
     mask far = xi >= picked.near_share;
     xi = choose(far, (xi - picked.near_share) / (R(1.0) - picked.near_share),
                 xi / picked.near_share);
     xi = r_min(r_max(xi, R(6e-8)), R(0.99999994));
-    real phi = choose(far, picked.far, picked.near) +
-               lobe_sample(&picked, xi, choose(far, picked.far_limit, picked.near_limit));
+    real phi = choose(far, picked.far, picked.near) + lobe_sample(&picked, xi, far);
     s.x = m * cos(phi);
     s.y = m * sin(phi);
     s.z = e.uz;

@@ -300,7 +300,7 @@ FORMULA real x_of_elevation(LOBE_SPACE const dev_ping *ping, real uz, real acros
  * or the zenith), each with its window, and the share of the near one. */
 typedef struct azimuth_lobe {
     real near, near_limit, far, far_limit, scale, near_share;
-    real core; /* of a sector: half its width; else 0 */
+    real near_core, far_core; /* of a sector: half its widths at the crossings; else 0 */
 } azimuth_lobe;
 
 /* Half of the arc of azimuths in front of an aperture with the axis F at an elevation; more than pi: all of
@@ -383,10 +383,13 @@ FORMULA azimuth_lobe azimuth_lobe_at(LOBE_SPACE const dev_ping *ping,
     real near_off = off_front(ping, a.near), far_off = off_front(ping, a.far);
     a.near_limit = r_min(front + near_off + R(1e-3), R_PI);
     a.far_limit = r_min(front + far_off + R(1e-3), R_PI);
-    a.core = R(0.0);
+    a.near_core = a.far_core = R(0.0);
     if (lobe->margin_rad > 0.0f) {
-        a.core = r_max((real)(lobe->limit_rad) + side * apart, R(0.0));
-        a.core += (real)(lobe->margin_rad) / (m * steep);
+        /* Where ridges part at one crossing they close up at the other: round the axis that beams turn about all
+         * of them. */
+        real own = (real)(lobe->limit_rad), margin = (real)(lobe->margin_rad) / (m * steep);
+        a.near_core = r_abs(own + side * apart) + margin;
+        a.far_core = r_abs(own - side * apart) + margin;
     } else if (lobe->limit_rad >= 0.0f) {
         a.near_limit = a.far_limit = (real)(lobe->limit_rad);
     }
@@ -437,22 +440,26 @@ FORMULA azimuth_lobe azimuth_lobes_get(LOBE_SPACE const dev_ping *ping, const az
 #endif
 }
 
-/* Density, as share, of an azimuth OFF the centre of lobe A, whose window ends at LIMIT; and an azimuth
- * from the quantile XI. */
-FORMULA azimuth_at lobe_of(const azimuth_lobe *a, real off, real limit) {
-    if (any_true(a->core > R(0.0))) {
-        return sector_of(off, r_min(a->core, limit), limit);
+/* Density, as share, of an azimuth OFF a crossing of lobe A, on its FAR side or not; and an azimuth from the quantile
+ * XI. */
+FORMULA azimuth_at lobe_of(const azimuth_lobe *a, real off, mask far) {
+    real core = choose(far, a->far_core, a->near_core);
+    real limit = choose(far, a->far_limit, a->near_limit);
+    if (any_true(core > R(0.0))) {
+        return sector_of(off, r_min(core, limit), limit);
     }
     return heavy_of(off, a->scale, limit);
 }
 
-FORMULA real lobe_sample(const azimuth_lobe *a, real xi, real limit) {
-    mask sector = a->core > R(0.0); /* lanes may have picked different lobes */
+FORMULA real lobe_sample(const azimuth_lobe *a, real xi, mask far) {
+    real core = choose(far, a->far_core, a->near_core);
+    real limit = choose(far, a->far_limit, a->near_limit);
+    mask sector = core > R(0.0); /* lanes may have picked different lobes */
     real even = R(0.0), heavy = R(0.0);
     if (any_true(sector)) {
-        even = sector_sample(xi, r_min(a->core, limit), limit);
+        even = sector_sample(xi, r_min(core, limit), limit);
     }
-    if (any_true(a->core <= R(0.0))) {
+    if (any_true(core <= R(0.0))) {
         heavy = heavy_sample(xi, a->scale, limit);
     }
     return choose(sector, even, heavy);
