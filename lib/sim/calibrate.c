@@ -115,6 +115,7 @@ typedef struct asdic_calibration {
     double *row;                    /* scratch, 5 (bins or receivers + 1) */
     uint8_t *kind;                  /* error_kind; with few receivers */
     first_bins *first, *sharp;      /* of each receiver; sharp: before the pulse's length */
+    first_bins axis;                /* where that meets them which a fan's beams turn about */
     alike *alike;                   /* of each receiver where they are many, else NULL */
 } calibration;
 
@@ -139,13 +140,17 @@ static double cell_ratio(const calibration *c, size_t cell) {
     return variance < 0.0 ? -1.0 : fmin(variance / c->suggested[cell], MOST_RATIO);
 }
 
-static bool is_of_first_echo(const calibration *c, size_t beam, size_t bin) {
+static bool is_among(const first_bins *first, size_t bin) {
     bool is_of = false;
     for (size_t k = 0; k < ASDIC_BOUNDARIES; k++) {
-        size_t first = c->first[beam].of[k];
-        is_of = is_of || (bin >= first && bin - first < ASDIC_FIRST_BINS);
+        is_of = is_of || (bin >= first->of[k] && bin - first->of[k] < ASDIC_FIRST_BINS);
     }
     return is_of;
+}
+
+/* Or of what lies where all beams of a fan meet: few rays bring that to all of them, too. */
+static bool is_of_first_echo(const calibration *c, size_t beam, size_t bin) {
+    return is_among(&c->first[beam], bin) || is_among(&c->axis, bin);
 }
 
 static bool is_ruled_by_water(const calibration *c, size_t cell) {
@@ -471,6 +476,24 @@ static void forget_first_bins(const asdic_simulator *sim, calibration *c) {
     }
 }
 
+/* The beams of a fan meet in the axis that they turn about, straight below and above one that lies level. */
+static first_bins find_axis(const asdic_simulator *sim, const asdic_pose *pose) {
+    first_bins axis = {{sim->setup.bins, sim->setup.bins}};
+    if (!sim->fan.common_axis) {
+        return axis;
+    }
+    double down = fabs((double)asdic_shot_beams(&sim->shots[0])[1].rows[8]);
+    double way_m[ASDIC_BOUNDARIES] = {asdic_scene_altitude_m(sim->setup.scene, pose->position_m),
+                                      pose->position_m.z}; /* as asdic_boundaries */
+    for (size_t k = 0; k < ASDIC_BOUNDARIES; k++) {
+        double bin = way_m[k] / (down * sim->setup.sonar.bin_length_m);
+        if (bin >= 0.0 && bin < (double)sim->setup.bins) {
+            axis.of[k] = (size_t)bin;
+        }
+    }
+    return axis;
+}
+
 static void take_mean(const asdic_simulator *sim, const asdic_ping *ping, calibration *c) {
     double *const *part = ping->intensity_lin;
     for (size_t cell = 0; cell < sim->setup.cells; cell++) {
@@ -510,6 +533,7 @@ static asdic_status run_pings(asdic_simulator *sim, const asdic_pose *pose, uint
             asdic_shot_aim(sim, &sim->shots[i], pose, index, ASDIC_STREAM_CALIBRATION(k + i),
                            sim->setup.sampling.rays);
         }
+        c->axis = find_axis(sim, pose);
         TRY(asdic_simulator_simulate(sim, together, c->pings));
         for (uint32_t i = 0; i < together; i++, k++) {
             take_mean(sim, c->pings[i], c);
