@@ -49,6 +49,9 @@
 #define TYPICAL_SAMPLES 128
 /* Variances of ASDIC_FIRST_BINS over those of the bins behind, as measured; counts as TYPICAL_WEIGHT bins. */
 #define FIRST_RATIO 2.3
+/* All bins of a beam that water rules err alike: of one error three pings tell little, and may agree by chance. The
+ * spread of G subsets of a lattice suggests G times its variance: so much of that ratio is added to what they tell. */
+#define HALF_A_LATTICE 0.5
 /* A cell's ratio is cut to this: else a few rare bright rays would rule the window. */
 #define MOST_RATIO 20.0
 /* The variance that groups suggest is averaged: ASDIC_OWN_PING of it is this ping's, OWN_BIN the
@@ -227,7 +230,7 @@ static shared_ratios share_ratios(const asdic_simulator *sim, const calibration 
     double usual = FIRST_RATIO * mean_of(rest, 1.0, 0.0);
     return (shared_ratios){.objects = mean_of(objects, 1.0, 0.0),
                            .first_echo = mean_of(first, usual, TYPICAL_WEIGHT),
-                           .water = mean_of(water, 1.0, 0.0)};
+                           .water = mean_of(water, 1.0, 0.0) + HALF_A_LATTICE / sim->setup.groups};
 }
 
 /* SUMS[n] is the sum of the first n VALUES; within() is then the sum of those within REACH of bin N. */
