@@ -315,12 +315,6 @@ static triple mean_of_legs(triple out, triple back) {
     return mean;
 }
 
-/* How an edge is met: its pressure, a quarter of a turn ahead, as that of so wide a strip; at elements along the line it goes
- * as tilt and bend of dev_echo say. */
-typedef struct edge_view {
-    real size, tilt, bend;
-} edge_view;
-
 /* Where the phase psi = 2 k U.p goes on over a flat face, U the mean of both legs' directions and U_t what of it lies in the
  * face, the face's integral is that over its edges,
  *
@@ -338,51 +332,69 @@ static real edge_size(const found *f, triple u, real range) {
     return inwards * r_abs(dot3(u, f->m.facet)) / (flat2 * r_max(range, R(1e-3)));
 }
 
-/* The same at the end of the line HALF_M from its middle, where BACK leads from; OUT is the other leg. */
-static real edge_size_from(const found *f, triple out, triple back, real range, triple line,
-                           real half_m) {
+/* What a smooth piece sends by U, the mean of both legs' directions, to RANGE, of its area re a wavelength (physical optics: the
+ * integral of cos i exp(-2 i k r) / lambda over the piece, whose phase goes evenly); of an edge, re its length, what stands for
+ * the area that it is a border of. */
+static phasor piece_size(const found *f, triple u, real range, real wavelength_m) {
+    real per_m = R(2.0) / wavelength_m, turns = per_m / sqrt(f->pieces);
+    turns = choose(f->share < R(0.0), -turns, turns);
+    phasor size = {R(0.0), R(0.0)};
+    if (any_true(f->edge == 0)) {
+        real wide = r_abs(dot3(u, f->m.facet)) / r_max(range, R(1e-3));
+        size = triangle_form(dot3(f->edge1, u) * turns, dot3(f->edge2, u) * turns);
+        size.re *= wide;
+        size.im *= wide;
+    }
+    if (any_true(f->edge)) {
+        real along = dot3(f->edge1, u) * per_m / f->pieces;
+        real edge = edge_size(f, u, range) * near_sinc(along * along);
+        real least = R(1e-4) / r_max(range, R(1e-3));
+        edge = choose(r_abs(edge) < least, choose(edge < R(0.0), -least, least), edge);
+        size.re = choose(f->edge, R(0.0), size.re);
+        size.im = choose(f->edge, edge * wavelength_m / (R(-4.0) * R_PI), size.im);
+    }
+    return size;
+}
+
+/* The same to the end of the line HALF_M from its middle, where BACK leads from; OUT is the other leg. */
+static phasor piece_size_from(const found *f, triple out, triple back, real range, triple line,
+                              real half_m, real wavelength_m) {
     triple to = {back.x * range - half_m * line.x, back.y * range - half_m * line.y,
                  back.z * range - half_m * line.z};
     real length = sqrt(r_max(dot3(to, to), R(1e-6))), unit = R(1.0) / length;
     triple u = {to.x * unit, to.y * unit, to.z * unit};
-    return edge_size(f, mean_of_legs(out, u), length);
+    return piece_size(f, mean_of_legs(out, u), length, wavelength_m);
 }
 
-static edge_view view_edge(__global const dev_coherent *c, const found *f, triple out, triple back,
-                           real range, real wavelength_m, real sine) {
+/* How a smooth piece is met: its pressure re a point of 1 m2, and how that goes on at elements along the line, as tilt and bend
+ * of dev_echo say. */
+typedef struct smooth_view {
+    phasor form;
+    real tilt, bend;
+} smooth_view;
+
+/* Roughness takes exp(-g cos^2 i) of its energy. */
+static smooth_view view_smooth(const world *w, __global const dev_coherent *c, const found *f,
+                               const law_lanes *laws, slant met, triple out, triple back,
+                               real range) {
     real half_m = (real)(0.5f * (float)(max(c->elements, 2u) - 1u) * c->spacing_m);
+    real wavelength_m = (real)(w->ping->wavelength_m);
     triple line = {(real)(c->rows[3]), (real)(c->rows[4]), (real)(c->rows[5])};
     line = met_along(line, f->back);
-    real middle = edge_size(f, mean_of_legs(out, back), range);
-    real port = edge_size_from(f, out, back, range, line, -half_m),
-         starboard = edge_size_from(f, out, back, range, line, half_m);
-    real least = R(1e-4) / r_max(range, R(1e-3));
-    middle = choose(r_abs(middle) < least, choose(middle < R(0.0), -least, least), middle);
-    edge_view v;
-    v.size = -middle * range / sine * wavelength_m / (R(4.0) * R_PI);
-    v.tilt = R(0.5) * (starboard - port) / (half_m * middle);
-    v.bend = R(0.5) * (starboard + port - R(2.0) * middle) / (half_m * half_m * middle);
-    return v;
-}
-
-/* What a smooth piece of area SHARE, below 0 upside down, returns, relative to a point of 1 m2 (physical optics: the integral
- * of cos i exp(-2 i k r) / lambda over the piece, whose phase goes evenly), or an edge instead of the area that it is a border
- * of. U is the mean of both legs' directions. Roughness takes exp(-g cos^2 i) of its energy. */
-static phasor smooth_amplitude(const world *w, const found *f, const law_lanes *laws, slant met,
-                               triple u, edge_view edge) {
-    real per_m = R(2.0) / (real)(w->ping->wavelength_m);
-    real turns = per_m / sqrt(f->pieces);
-    turns = choose(f->share < R(0.0), -turns, turns);
-    phasor form = triangle_form(dot3(f->edge1, u) * turns, dot3(f->edge2, u) * turns);
-    real along = dot3(f->edge1, u) * per_m / f->pieces;
-    form.re = choose(f->edge, R(0.0), form.re);
-    form.im = choose(f->edge, edge.size * near_sinc(along * along), form.im);
-    real amplitude = r_abs(f->share) * met.sine / (real)(w->ping->wavelength_m) *
-                     sqrt(laws->reflection2) *
+    phasor middle = piece_size(f, mean_of_legs(out, back), range, wavelength_m);
+    phasor port = piece_size_from(f, out, back, range, line, -half_m, wavelength_m);
+    phasor starboard = piece_size_from(f, out, back, range, line, half_m, wavelength_m);
+    real square = middle.re * middle.re + middle.im * middle.im;
+    real to_port = (port.re * middle.re + port.im * middle.im) / square - R(1.0);
+    real to_starboard = (starboard.re * middle.re + starboard.im * middle.im) / square - R(1.0);
+    real amplitude = r_abs(f->share) * range / wavelength_m * sqrt(laws->reflection2) *
                      exp(R(-0.5) * laws->roughness_g * met.sine * met.sine);
-    form.re *= amplitude;
-    form.im *= amplitude;
-    return form;
+    smooth_view v;
+    v.form.re = amplitude * middle.re;
+    v.form.im = amplitude * middle.im;
+    v.tilt = R(0.5) * (to_starboard - to_port) / half_m;
+    v.bend = R(0.5) * (to_starboard + to_port) / (half_m * half_m);
+    return v;
 }
 
 /* What the plane that mirrors makes of a pressure along U, where a leg goes BY way of it: the surface, soft, turns its
@@ -443,8 +455,10 @@ __kernel void coherent_shade(__global const dev_ping *ping, __global const dev_c
     real tube = (real)(c->water_lin) * f.share * straight.range.high * straight.range.high;
     energy = choose(f.kind == DEV_KIND_WATER, tube, energy);
     met.sine = R(0.5) * (met_out.sine + met.sine);
-    edge_view edge = view_edge(c, &f, out, back, range, (real)(ping->wavelength_m), met.sine);
-    phasor mirror = smooth_amplitude(&w, &f, &laws, met, mean, edge);
+    smooth_view mirror = {{R(0.0), R(0.0)}, R(0.0), R(0.0)};
+    if (any_true(f.smooth)) {
+        mirror = view_smooth(&w, c, &f, &laws, met, out, back, range);
+    }
     real amplitude = choose(f.smooth, R(1.0), sqrt(energy));
 
     /* The transmitter and an element, and the loss of both ways. */
@@ -462,8 +476,8 @@ __kernel void coherent_shade(__global const dev_ping *ping, __global const dev_c
     draw = philox4x32(draw, ping->seed[0], ping->seed[1]);
     phasor chance = gaussian_of(draw.v[0], draw.v[1]);
     mask sure = f.smooth | (f.kind == DEV_KIND_POINT);
-    chance.re = choose(f.smooth, mirror.re, choose(sure, R(1.0), chance.re));
-    chance.im = choose(f.smooth, mirror.im, choose(sure, R(0.0), chance.im));
+    chance.re = choose(f.smooth, mirror.form.re, choose(sure, R(1.0), chance.re));
+    chance.im = choose(f.smooth, mirror.form.im, choose(sure, R(0.0), chance.im));
     two both = two_add(sent.range, heard_from.range);
     two turns = {(real)(c->turns_per_m), (real)(c->turns_per_m_low)};
     phasor way = phasor_times(phasor_of(-two_turns(both, turns)), by);
@@ -489,8 +503,8 @@ __kernel void coherent_shade(__global const dev_ping *ping, __global const dev_c
                                            AT(chance.im, float) * AT(way.im, float));
             e.im = AT(amplitude, float) * (AT(chance.re, float) * AT(way.im, float) +
                                            AT(chance.im, float) * AT(way.re, float));
-            e.tilt = AT(f.edge, int) != 0 ? AT(edge.tilt, float) : 0.0f;
-            e.bend = AT(f.edge, int) != 0 ? AT(edge.bend, float) : 0.0f;
+            e.tilt = AT(f.smooth, int) != 0 ? AT(mirror.tilt, float) : 0.0f;
+            e.bend = AT(f.smooth, int) != 0 ? AT(mirror.bend, float) : 0.0f;
             echoes[at] = e;
             gates[at] = AT(heard, int) != 0 ? min(AT(gate, uint), c->gates - 1u) : NO_GATE;
         }

@@ -5,6 +5,7 @@
 #include "aim.h"
 #include "base/context.h"
 #include "base/vec.h"
+#include "border.h"
 #include "piece.h"
 #include "scene/scene.h"
 
@@ -37,11 +38,14 @@
 /* A smooth piece is one number, that of its middle, for every element and all of the pulse (facet_form.h). So along each edge
  * the phase there and back may turn by this much, */
 #define SMOOTH_TURNS 0.5
+/* of an edge that stands for an area, where those of unlike parts would add up, by half of that, */
+#define EDGE_TURNS 0.25
 /* depart from even by this many wavelengths, edge^2 / range, */
 #define SMOOTH_BENT 0.02
 /* and what it turns by, times what more it turns by to the end of the array, or of a face, than to its middle, be this much: as
- * that product goes what the form factor differs by. */
-#define SMOOTH_ASIDE 0.0075
+ * that product goes what the form factor differs by. Along the array this is told, as a parabola (dev_echo). */
+#define SMOOTH_ASIDE 0.1
+#define SMOOTH_FACE_ASIDE 0.0075
 /* Triangles longer than this many times their height are cut across first. */
 #define SLIVER 4.0
 /* Where a smooth face mirrors elsewhere its edges stand for its area, which is then cut no more. What an echo turns by along the
@@ -55,11 +59,14 @@
 #define LEAST_HEIGHT_WL 0.25
 /* Whether that holds for a face is asked of its quarters, so many times over. */
 #define QUARTERINGS 3
+/* Edges are cut to as many parts, at most, before what faces share of them is left out. */
+#define PARTS_OF_SIDE 16.0
 
 typedef struct finder {
     const asdic_simulator *sim;
     const asdic_ping_shot *shot;
     asdic_patches *out; /* NULL: scatterers are counted */
+    asdic_border border;
     asdic_vec3 at;      /* the sonar, scene frame */
     double mirror_m[2]; /* depths of the planes that mirror, scene frame */
     size_t mirrors;
@@ -69,6 +76,7 @@ typedef struct finder {
     double beams_from, beams_to; /* direction cosines along the line between which beams look */
     double aside_m;              /* EDGE_ASIDE and EDGE_FACE_ASIDE times that */
     double half_m;               /* from the middle of the array, or of a face, to an end */
+    double face_m;               /* of a face alone */
     asdic_vec3 ahead[2];         /* the transmitter's axis, and that of elements */
     double tall_wl; /* of transmitter or element, the one that hears less of the water */
 } finder;
@@ -95,8 +103,9 @@ static double loudness(const finder *f, asdic_vec3 u, double sine) {
 }
 
 /* Whether no more patches can be taken. */
-static bool is_full(const asdic_patches *all) {
-    return all->out_of_memory || (all->most > 0 && all->slots > all->most);
+static bool is_full(const finder *f) {
+    const asdic_patches *all = f->out;
+    return all->out_of_memory || (all->most > 0 && all->slots + f->border.count > all->most);
 }
 
 static void add_patch(finder *f, const asdic_piece *p, uint32_t count) {
@@ -162,6 +171,7 @@ static asdic_vec3 as_met(asdic_vec3 edge, size_t k) {
 /* Into how many parts an EDGE of a smooth piece P, which reaches over REACH, is to fall. */
 static double parts_of(const finder *f, const asdic_piece *p, asdic_vec3 edge, double reach) {
     double wavelength_m = f->shot->water.wavelength_m, length = asdic_vec3_length(edge), most = 0.0;
+    double most_turns = p->form == DEV_FORM_EDGE ? EDGE_TURNS : SMOOTH_TURNS;
     asdic_vec3 way[3];
     size_t ways = ways_to(f, p, way);
     for (size_t k = 0; k < ways; k++) {
@@ -169,18 +179,19 @@ static double parts_of(const finder *f, const asdic_piece *p, asdic_vec3 edge, d
         double along = (fabs(asdic_vec3_dot(as_met(edge, k), way[k])) + length * reach) / range;
         double turns = 2.0 * fmin(along, length) / wavelength_m;
         double bent = length / sqrt(SMOOTH_BENT * wavelength_m * range);
-        double more = length * f->half_m / (wavelength_m * range);
+        double per_m = length / (wavelength_m * range), more = per_m * f->half_m;
         double aside = sqrt((turns + more) * more / SMOOTH_ASIDE);
-        most = fmax(fmax(most, turns / SMOOTH_TURNS), fmax(bent, aside));
+        more = per_m * f->face_m;
+        aside = fmax(aside, sqrt((turns + more) * more / SMOOTH_FACE_ASIDE));
+        most = fmax(fmax(most, turns / most_turns), fmax(bent, aside));
     }
     return most;
 }
 
-/* The edge of a smooth face: until equal parts of it, small enough, make it up. */
+/* The edge of a smooth face: until equal parts of it, small enough, make it up. Where two faces share it both are cut alike. */
 static void cut_side(finder *f, const asdic_piece *p, double reach) {
-    double parts = fmax(ceil(parts_of(f, p, p->edge1, reach)), 1.0);
-    if (parts <= DEV_PATCH_SCATTERERS) {
-        add_patch(f, p, (uint32_t)parts);
+    if (parts_of(f, p, p->edge1, reach) <= PARTS_OF_SIDE) {
+        f->out->out_of_memory |= !asdic_border_add(&f->border, p);
         return;
     }
     for (uint32_t k = 0; k < 2; k++) {
@@ -313,6 +324,7 @@ static void look_at_beams(finder *f) {
     f->aside_m = EDGE_ASIDE * f->half_m;
     for (int k = 0; k < 2; k++) {
         double half_m = 0.5 * fmax(faces[k]->length_h_m, faces[k]->length_v_m);
+        f->face_m = fmax(f->face_m, half_m);
         f->half_m = fmax(f->half_m, half_m);
         f->aside_m = fmax(f->aside_m, EDGE_FACE_ASIDE * half_m);
     }
@@ -365,7 +377,7 @@ static void cut_piece(finder *f, const asdic_piece *p) {
     const dev_ping *ping = f->shot->ping;
     double range = asdic_vec3_length(asdic_vec3_sub(asdic_piece_middle(p), f->at));
     double reach = asdic_piece_reach(p), area = asdic_piece_area(p);
-    if (range - reach > ping->range_m || area <= 0.0 || (f->out && is_full(f->out))) {
+    if (range - reach > ping->range_m || area <= 0.0 || (f->out && is_full(f))) {
         return;
     }
     demand asked = ask(f, p, reach, area);
@@ -466,6 +478,22 @@ static void cut_surfaces(finder *f) {
     }
 }
 
+/* What is left of the edges of smooth faces, when all are known; where there is no room they are counted alone. */
+static void add_border(finder *f) {
+    if (is_full(f)) {
+        f->out->slots += f->border.count;
+        f->border.count = 0;
+    }
+    asdic_border_join(&f->border, f->sim->placement);
+    for (size_t i = 0; i < f->border.count && !f->out->out_of_memory; i++) {
+        const asdic_piece *p = &f->border.sides[i];
+        double parts = ceil(parts_of(f, p, p->edge1, asdic_piece_reach(p)));
+        add_patch(f, p, (uint32_t)fmax(parts, 1.0));
+    }
+    free(f->border.sides);
+    f->border = (asdic_border){0};
+}
+
 /* How many scatterers a shell of water has in each of STRIPS equal shares of the azimuth about the transmitter. */
 typedef struct strips {
     double begin_rad, width_rad, count[STRIPS];
@@ -520,7 +548,7 @@ static void cut_water(finder *f, double wanted) {
             double parts = ceil(s.count[k] / DEV_PATCH_SCATTERERS);
             uint32_t count = (uint32_t)ceil(s.count[k] / fmax(parts, 1.0));
             p.edge1.y = s.width_rad / parts;
-            for (int part = 0; part < parts && !is_full(f->out); part++, p.name[0]++) {
+            for (int part = 0; part < parts && !is_full(f); part++, p.name[0]++) {
                 double shift = random_uniform(begin.v[2]) - 0.5; /* of the lattice, by azimuth */
                 p.corner.y = s.begin_rad + k * s.width_rad + (part + shift / count) * p.edge1.y;
                 add_patch(f, &p, count);
@@ -592,6 +620,7 @@ asdic_status asdic_patches_find(const asdic_simulator *sim, const asdic_ping_sho
     look_at_beams(&f);
     f.out = out;
     cut_surfaces(&f);
+    add_border(&f);
     cut_water(&f, WATER_SHARE * wanted);
     add_points(&f);
     return out->out_of_memory ? asdic_fail_memory(sim->ctx, "scatterers") : ASDIC_OK;

@@ -629,6 +629,7 @@ static void a_wall_is_the_sum_over_its_area(void **state) {
         {2.0, 2.0, {8.0, 0.5, 0.3}, 12.0 * RIG_DEGREE, 3.0 * RIG_DEGREE, 3},
         {2.0, 2.0, {8.0, 0.0, 0.0}, 5.0 * RIG_DEGREE, 0.0, 3},
         {2.0, 2.0, {8.0, 0.0, 0.0}, 0.0, 0.0, 3},
+        {0.9, 0.6, {2.0, 0.0, 0.0}, 4.0 * RIG_DEGREE, 3.0 * RIG_DEGREE, 96},
     };
     double worst_db = 0.0, worst = 0.0, worst_across = 0.0;
     unsigned long long most = 0;
@@ -644,10 +645,10 @@ static void a_wall_is_the_sum_over_its_area(void **state) {
                   "%llu scatterers at most\n",
                   worst_db, worst, worst_across, most);
     assert_true(worst_db < 0.05 && worst < 0.02 && worst_across < 0.1);
-    assert_in_range(most, 1000, 5000);
+    assert_in_range(most, 1000, 10000);
 }
 
-/* However many triangles it is made of. */
+/* However many triangles it is made of, it takes about as many scatterers: they have no edges of their own. */
 static void a_wall_of_many_triangles_is_as_loud(void **state) {
     (void)state;
     static const wall w = {2.0, 2.0, {8.0, 0.0, 0.0}, 25.0 * RIG_DEGREE, 10.0 * RIG_DEGREE, 16};
@@ -658,6 +659,7 @@ static void a_wall_of_many_triangles_is_as_loud(void **state) {
         print_message("%u triangles, %llu scatterers: peaks off by %.3f dB, samples by %.4f\n",
                       2 * squares[i] * squares[i], rays, worst_db, worst);
         assert_true(worst_db < 0.05 && worst < 0.02);
+        assert_in_range(rays, 500, 2500);
     }
 }
 

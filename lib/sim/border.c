@@ -1,0 +1,79 @@
+#include "border.h"
+
+#include <stdlib.h>
+
+/* Triangles lie in one plane when their normals agree to this: what is left out is 80 dB below the edge of either. */
+#define SAME_PLANE 1e-4
+
+static int compare(asdic_vec3 a, asdic_vec3 b) {
+    double x = a.x - b.x, y = a.y - b.y, z = a.z - b.z, first = x != 0.0 ? x : y != 0.0 ? y : z;
+    return (first > 0.0) - (first < 0.0);
+}
+
+bool asdic_border_add(asdic_border *b, const asdic_piece *side) {
+    if (b->count == b->capacity) {
+        size_t capacity = b->capacity ? 2 * b->capacity : 1024;
+        asdic_piece *sides = realloc(b->sides, capacity * sizeof *sides);
+        if (!sides) {
+            return false;
+        }
+        b->sides = sides;
+        b->capacity = capacity;
+    }
+    asdic_piece *own = &b->sides[b->count++];
+    *own = *side;
+    if (compare(side->edge1, (asdic_vec3){0.0, 0.0, 0.0}) <
+        0) { /* runs upwards, whichever face's it is */
+        own->corner = asdic_vec3_add(side->corner, side->edge1);
+        own->edge1 = asdic_vec3_scale(side->edge1, -1.0);
+        own->edge2 = asdic_vec3_sub(side->edge2, side->edge1);
+    }
+    return true;
+}
+
+/* Corners are of single precision, and halves of them exact: what is in one place has the same numbers. */
+static int by_place(const void *left, const void *right) {
+    const asdic_piece *a = left, *b = right;
+    int order = compare(a->corner, b->corner);
+    return order ? order : compare(a->edge1, b->edge1);
+}
+
+static int by_place_and_name(const void *left, const void *right) {
+    const asdic_piece *a = left, *b = right;
+    int order = by_place(a, b);
+    for (int i = 0; i < 3 && order == 0; i++) {
+        order = (a->name[i] > b->name[i]) - (a->name[i] < b->name[i]);
+    }
+    return order;
+}
+
+/* Whether the faces of A and B, which are in one place, go on into each other. */
+static bool go_on(const asdic_piece *a, const asdic_piece *b, const asdic_placement *placement) {
+    const dev_triangle *s = asdic_placement_triangle(placement, a->triangle);
+    const dev_triangle *t = asdic_placement_triangle(placement, b->triangle);
+    asdic_vec3 m = {s->normal[0], s->normal[1], s->normal[2]};
+    asdic_vec3 n = {t->normal[0], t->normal[1], t->normal[2]};
+    bool apart = asdic_vec3_dot(asdic_vec3_cross(a->edge1, a->edge2),
+                                asdic_vec3_cross(b->edge1, b->edge2)) < 0.0;
+    return apart && s->part == t->part && asdic_vec3_length(asdic_vec3_cross(m, n)) < SAME_PLANE;
+}
+
+void asdic_border_join(asdic_border *b, const asdic_placement *placement) {
+    size_t kept = 0;
+    if (b->count > 0) {
+        qsort(b->sides, b->count, sizeof *b->sides, by_place_and_name);
+    }
+    for (size_t i = 0; i < b->count; i++) {
+        size_t k = kept;
+        while (k > 0 && by_place(&b->sides[k - 1], &b->sides[i]) == 0 &&
+               !go_on(&b->sides[k - 1], &b->sides[i], placement)) {
+            k--;
+        }
+        if (k > 0 && by_place(&b->sides[k - 1], &b->sides[i]) == 0) {
+            b->sides[k - 1] = b->sides[--kept];
+        } else {
+            b->sides[kept++] = b->sides[i];
+        }
+    }
+    b->count = kept;
+}
