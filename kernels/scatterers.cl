@@ -338,9 +338,10 @@ static real edge_size(const found *f, triple u, real range) {
 static phasor piece_size(const found *f, triple u, real range, real wavelength_m) {
     real per_m = R(2.0) / wavelength_m, turns = per_m / sqrt(f->pieces);
     turns = choose(f->share < R(0.0), -turns, turns);
+    real least = R(1e-4) / r_max(range, R(1e-3)); /* edge-on: others are told re the middle */
     phasor size = {R(0.0), R(0.0)};
     if (any_true(f->edge == 0)) {
-        real wide = r_abs(dot3(u, f->m.facet)) / r_max(range, R(1e-3));
+        real wide = r_max(r_abs(dot3(u, f->m.facet)) / r_max(range, R(1e-3)), least);
         size = triangle_form(dot3(f->edge1, u) * turns, dot3(f->edge2, u) * turns);
         size.re *= wide;
         size.im *= wide;
@@ -348,7 +349,6 @@ static phasor piece_size(const found *f, triple u, real range, real wavelength_m
     if (any_true(f->edge)) {
         real along = dot3(f->edge1, u) * per_m / f->pieces;
         real edge = edge_size(f, u, range) * near_sinc(along * along);
-        real least = R(1e-4) / r_max(range, R(1e-3));
         edge = choose(r_abs(edge) < least, choose(edge < R(0.0), -least, least), edge);
         size.re = choose(f->edge, R(0.0), size.re);
         size.im = choose(f->edge, edge * wavelength_m / (R(-4.0) * R_PI), size.im);

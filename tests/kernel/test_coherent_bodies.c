@@ -663,6 +663,40 @@ static void a_wall_of_many_triangles_is_as_loud(void **state) {
     }
 }
 
+/* Edge-on, nothing of it is seen from the middle of the array: it is quiet to every element, and finite. */
+static void a_plate_edge_on_is_quiet(void **state) {
+    (void)state;
+    static const double vertices[] = {-0.0015, 0.0, -1.0, 0.0015,  0.0, -1.0,
+                                      0.0015,  0.0, 1.0,  -0.0015, 0.0, 1.0};
+    static const uint32_t corners[] = {0, 1, 2, 0, 2, 3};
+    double peak[2] = {0.0, 0.0};
+    for (int facing = 0; facing < 2; facing++) {
+        ping_rig r = long_pulse();
+        asdic_mesh *mesh = NULL;
+        r.sonar.array.elements = 8;
+        r.sampling.left_out = 1u << ASDIC_TERM_VOLUME;
+        asdic_pose pose = {.position_m = {6.0, 0.0, 7.0}, .yaw_rad = facing ? 0.25 * TURN : 0.0};
+        assert_ok(t.ctx, asdic_mesh_from_triangles(t.ctx, vertices, 4, corners, 2, &mesh));
+        assert_ok(t.ctx, asdic_scene_add_object(r.scene, "plate", mesh, pose,
+                                                asdic_material_facet(200.0, 0.0, 0.0)));
+        asdic_simulator *sim = rig_simulator(&r);
+        asdic_ping *ping = array_shoot(&r, sim, 0);
+        for (size_t e = 0; e < r.sonar.array.elements; e++) {
+            for (size_t n = 0; n < ping->samples; n++) {
+                const float *p = array_at(ping, e, n);
+                assert_true(isfinite(p[0]) && isfinite(p[1]));
+                peak[facing] = fmax(peak[facing], hypot((double)p[0], (double)p[1]));
+            }
+        }
+        asdic_ping_destroy(&ping);
+        asdic_simulator_destroy(&sim);
+        asdic_mesh_destroy(&mesh);
+        rig_destroy(&r);
+    }
+    print_message("edge-on %.1f dB of what it is facing\n", 20.0 * log10(peak[0] / peak[1]));
+    assert_true(peak[0] < 0.01 * peak[1]);
+}
+
 /* A wall that goes on below the bottom is the part above it, as is one that ends there. */
 static void a_wall_ends_at_the_bottom(void **state) {
     (void)state;
@@ -707,6 +741,7 @@ int main(void) {
         cmocka_unit_test(a_wall_turned_away_is_as_quiet_as_it_is),
         cmocka_unit_test(a_wall_is_the_sum_over_its_area),
         cmocka_unit_test(a_wall_of_many_triangles_is_as_loud),
+        cmocka_unit_test(a_plate_edge_on_is_quiet),
         cmocka_unit_test(a_wall_ends_at_the_bottom),
         cmocka_unit_test(a_plate_has_its_lobes),
         cmocka_unit_test(a_cylinder_has_its_lobes),
