@@ -426,6 +426,52 @@ static real pressure_towards(triple v, real length_h_wl, real length_v_wl, real 
     return size * sinc_sign(length_h_wl * v.y) * sinc_sign(length_v_wl * v.z);
 }
 
+/* Those of transmitter and element, out and back. */
+static real lobes_towards(const world *w, __global const dev_coherent *c, triple out, triple back) {
+    real rear = (real)(w->ping->rear_lin);
+    return pressure_towards(in_face(w->beams->rows, out), (real)(w->beams->length_h_wl),
+                            (real)(w->beams->length_v_wl), rear) *
+           pressure_towards(in_face(c->rows, back), (real)(c->element_h_wl),
+                            (real)(c->element_v_wl), rear);
+}
+
+/* Where a point is seen that was seen by S and has moved by STEP. */
+static triple seen_moved(const sight *s, triple step) {
+    real unit = R(1.0) / r_max(s->range.high, R(1e-3)), along = dot3(s->u, step);
+    triple u = {s->u.x + unit * (step.x - along * s->u.x),
+                s->u.y + unit * (step.y - along * s->u.y),
+                s->u.z + unit * (step.z - along * s->u.z)};
+    return u;
+}
+
+/* LOBES change along the face that an edge stands for: the next term of the integral by parts (edge_size) has their slope,
+ *
+ *     A + A1,  A1 = -i grad A . U_t / (2 k |U_t|^2);
+ *
+ * A1 / (i A), by a difference of a fiftieth of a lobe either way. */
+static real lobes_slope(const world *w, __global const dev_coherent *c, const found *f,
+                        const sight *sent, const sight *heard, real lobes) {
+    triple mean = mean_of_legs(met_along(sent->u, f->out), met_along(heard->u, f->back));
+    real across = dot3(mean, f->m.facet);
+    triple flat = {mean.x - across * f->m.facet.x, mean.y - across * f->m.facet.y,
+                   mean.z - across * f->m.facet.z};
+    real flat2 = r_max(dot3(flat, flat), R(1e-9));
+    real sent_wl = r_max((real)(w->beams->length_h_wl), (real)(w->beams->length_v_wl));
+    real heard_wl = r_max((real)(c->element_h_wl), (real)(c->element_v_wl));
+    real share =
+        R(0.02) * heard->range.high / (r_max(r_max(sent_wl, heard_wl), R(1.0)) * sqrt(flat2));
+    real change = R(0.0);
+    for (int side = -1; side <= 1; side += 2) {
+        real by = (real)(side)*share;
+        triple step = {by * flat.x, by * flat.y, by * flat.z};
+        change += (real)(side)*lobes_towards(w, c, seen_moved(sent, met_along(step, f->out)),
+                                             seen_moved(heard, met_along(step, f->back)));
+    }
+    real slope =
+        change / (R(2.0) * share * flat2) * (real)(w->ping->wavelength_m) / (R(4.0) * R_PI);
+    return choose(f->edge & (r_abs(lobes) > R(1e-6)), -slope / lobes, R(0.0));
+}
+
 /* ASDIC_WIDTH slots a work-item. GATES: the gate of every slot. */
 __kernel void coherent_shade(__global const dev_ping *ping, __global const dev_coherent *c,
                              __global const dev_patch *patches, __global const float4 *places,
@@ -463,10 +509,13 @@ __kernel void coherent_shade(__global const dev_ping *ping, __global const dev_c
 
     /* The transmitter and an element, and the loss of both ways. */
     triple v = in_face(c->rows, heard_from.u);
-    real rear = (real)(ping->rear_lin), k = (real)(ping->absorption_np_per_m);
-    amplitude *= pressure_towards(in_face(w.beams->rows, sent.u), (real)(w.beams->length_h_wl),
-                                  (real)(w.beams->length_v_wl), rear) *
-                 pressure_towards(v, (real)(c->element_h_wl), (real)(c->element_v_wl), rear);
+    real k = (real)(ping->absorption_np_per_m);
+    real lobes = lobes_towards(&w, c, sent.u, heard_from.u);
+    amplitude *= lobes;
+    if (any_true(f.edge)) {
+        phasor with = {R(1.0), lobes_slope(&w, c, &f, &sent, &heard_from, lobes)};
+        mirror.form = phasor_times(mirror.form, with);
+    }
     amplitude *= sqrt(sqrt(ray_transmission(k, r_max(sent.range.high, R(1e-3))) *
                            ray_transmission(k, r_max(range, R(1e-3)))));
     phasor by = phasor_times(mirror_factor(&w, &f, f.out, sent.u),
