@@ -75,19 +75,37 @@ const char *asdic_number_parse(const char *text, size_t length, double *value) {
     return isfinite(*value) ? NULL : "is too large for a double";
 }
 
+/* The place of the last digit of TEXT, a number, that is not 0: 0 of units, -1 of tenths; and *DIGIT; of nought 0 and 0.
+ * A double rounds: 2^53 + 0.5 is 2^53 in it. */
+static double find_last_digit(const char *text, size_t length, char *digit) {
+    size_t end = 0, last = 0, point = 0;
+    for (bool behind = false; end < length && text[end] != 'e' && text[end] != 'E'; end++) {
+        behind |= text[end] == '.';
+        point += !behind;
+        last = text[end] > '0' && text[end] <= '9' ? end + 1 : last;
+    }
+    *digit = '0';
+    if (last == 0) {
+        return 0.0;
+    }
+    *digit = text[last - 1];
+    double exponent = end < length ? (double)strtol(text + end + 1, NULL, 10) : 0.0;
+    return exponent + (double)point - (double)last + (last > point);
+}
+
 const char *asdic_integer_parse(const char *text, size_t length, int64_t *value) {
     double number;
+    char last;
     const char *why = asdic_number_parse(text, length, &number);
     if (why) {
         return why;
     }
-    if (number != rint(number)) {
+    if (find_last_digit(text, length, &last) < 0.0) {
         return "is not a whole number";
     }
     /* 2^53 + 1 is 2^53 in a double. */
     const double most = 9007199254740992.0;
-    if (fabs(number) > most ||
-        (fabs(number) == most && strtoll(text, NULL, 10) != (int64_t)number)) {
+    if (fabs(number) > most || (fabs(number) == most && last == '3')) {
         return "is too large: whole numbers go to 2^53 = 9007199254740992";
     }
     *value = (int64_t)number;

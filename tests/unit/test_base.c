@@ -172,6 +172,37 @@ static void whole_numbers_are_whole(void **state) {
     assert_string_equal(asdic_integer_parse("1.5", 3, &value), "is not a whole number");
     assert_string_equal(asdic_integer_parse("x", 1, &value), "is not a number");
     assert_int_equal(value, -9007199254740992);
+    /* Whatever a double rounds them to. */
+    static const struct {
+        const char *text;
+        int64_t value; /* -1: not whole; -2: too large */
+    } near[] = {{"9007199254740992.5", -1},
+                {"9007199254740991.5", -1},
+                {"9007199254740991.4", -1},
+                {"4503599627370496.3", -1},
+                {"20000.00000000000000001", -1},
+                {"0.99999999999999999999", -1},
+                {"1e-400", -1},
+                {"1e-99999999999999999999", -1},
+                {"12345e-1", -1},
+                {"9007199254740993", -2},
+                {"900719925474099.3e1", -2},
+                {"9007199254740994", -2},
+                {"9007199254740992.0", 9007199254740992},
+                {"9.007199254740992e15", 9007199254740992},
+                {"9007199254740991", 9007199254740991},
+                {"90071992547409910e-1", 9007199254740991},
+                {"0.5e1", 5},
+                {".5e1", 5},
+                {"-0.000e-5", 0},
+                {"0e99999999999999999999", 0},
+                {"+120.", 120}};
+    for (size_t i = 0; i < sizeof near / sizeof *near; i++) {
+        const char *why = asdic_integer_parse(near[i].text, strlen(near[i].text), &value);
+        print_message("%s: %s\n", near[i].text, why ? why : "whole");
+        assert_true(!why == (near[i].value >= 0) && (why || value == near[i].value));
+        assert_true(!why || !strstr(why, "too large") == (near[i].value == -1));
+    }
 }
 
 /* "-" alone is standard input; a path that begins or ends with it is a file's. */
