@@ -199,7 +199,7 @@ static asdic_status make_point_room(asdic_simulator *sim) {
     return points && energies ? ASDIC_OK : asdic_fail_memory(sim->ctx, "what points send back");
 }
 
-/* What comes to one bin in one way from one point is one row. */
+/* What comes to one bin in one way from one point, and arrives from one direction, is one row. */
 asdic_status asdic_truth_point_row(asdic_simulator *sim, asdic_truth_point what, double **row) {
     asdic_truth_rows *t = &sim->truth;
     size_t beams = sim->setup.sonar.receiver_count, k = t->point_count;
@@ -208,7 +208,8 @@ asdic_status asdic_truth_point_row(asdic_simulator *sim, asdic_truth_point what,
         return ASDIC_OK;
     }
     while (k > 0 && t->points[k - 1].point == what.point &&
-           (t->points[k - 1].bin != what.bin || t->points[k - 1].by != what.by)) {
+           (t->points[k - 1].bin != what.bin || t->points[k - 1].by != what.by ||
+            t->points[k - 1].down != what.down)) {
         k--;
     }
     if (k == 0 || t->points[k - 1].point != what.point) {
@@ -303,6 +304,31 @@ static void compare(const telling *to, unsigned number, dev_truth_row row, doubl
     }
 }
 
+/* WEIGHT times what row K of points gives to ENERGY, [beam][bin]. */
+static void add_point(const telling *to, size_t k, double weight, double *energy) {
+    const asdic_truth_rows *t = &to->sim->truth;
+    const double *from = t->point_lin + k * to->out->beams + to->beam;
+    for (size_t b = 0; b < to->beams; b++) {
+        energy[b * to->wide + t->points[k].bin] += weight * from[b];
+    }
+}
+
+/* What the point of row K gives directly, in one bin or more, to ENERGY; the next point's first row. */
+static size_t gather_point(const telling *to, size_t k, dev_truth_row *row, double *energy) {
+    const asdic_truth_rows *t = &to->sim->truth;
+    size_t point = t->points[k].point;
+    *row = (dev_truth_row){.low = (dev_uint)to->out->bins};
+    for (; k < t->point_count && t->points[k].point == point; k++) {
+        dev_uint bin = (dev_uint)t->points[k].bin;
+        if (t->points[k].by == ASDIC_PATH_DIRECT) {
+            add_point(to, k, 1.0, energy);
+            row->low = bin < row->low ? bin : row->low;
+            row->high = bin < row->high ? row->high : bin + 1;
+        }
+    }
+    return k;
+}
+
 /* The strongest object of every bin, and its energy to MOST, which is 0; ENERGY is 0 before and after. */
 static void find_objects(const telling *to, double *energy, double *most) {
     const asdic_truth_rows *t = &to->sim->truth;
@@ -318,16 +344,13 @@ static void find_objects(const telling *to, double *energy, double *most) {
             compare(to, scene->parts[i].number, row, energy, most);
         }
     }
-    for (size_t k = 0; k < t->point_count; k++) {
-        dev_uint bin = (dev_uint)t->points[k].bin;
-        if (t->points[k].by != ASDIC_PATH_DIRECT) {
-            continue;
+    for (size_t k = 0; k < t->point_count;) {
+        unsigned number = scene->points[t->points[k].point].number;
+        dev_truth_row row;
+        k = gather_point(to, k, &row, energy);
+        if (row.low < row.high) {
+            compare(to, number, row, energy, most);
         }
-        for (size_t b = 0; b < to->beams; b++) {
-            energy[b * to->wide + bin] = t->point_lin[k * to->out->beams + to->beam + b];
-        }
-        dev_truth_row row = {.low = bin, .high = bin + 1};
-        compare(to, scene->points[t->points[k].point].number, row, energy, most);
     }
 }
 
@@ -342,10 +365,8 @@ WIDEST static void weigh_floats(const float *restrict sums, const double *restri
 static void add_points_by(const telling *to, asdic_path by, double *energy) {
     const asdic_truth_rows *t = &to->sim->truth;
     for (size_t k = 0; k < t->point_count; k++) {
-        size_t beams = t->points[k].by == by ? to->beams : 0;
-        for (size_t b = 0; b < beams; b++) {
-            energy[b * to->wide + t->points[k].bin] +=
-                t->point_lin[k * to->out->beams + to->beam + b];
+        if (t->points[k].by == by) {
+            add_point(to, k, 1.0, energy);
         }
     }
 }
@@ -365,11 +386,7 @@ static void gather_moments(const telling *to, double *moment) {
     }
     gather(to, DEV_TRUTH_DEPRESSION, to->source_lin / scale, moment);
     for (size_t k = 0; k < t->point_count; k++) {
-        const asdic_truth_point *point = &t->points[k];
-        for (size_t b = 0; b < to->beams; b++) {
-            moment[b * to->wide + point->bin] += t->point_lin[k * to->out->beams + to->beam + b] *
-                                                 ASDIC_TRUTH_MIDDLE * (1.0 + point->down);
-        }
+        add_point(to, k, ASDIC_TRUTH_MIDDLE * (1.0 + t->points[k].down), moment);
     }
     smear(to, moment);
 }

@@ -504,6 +504,96 @@ static void faint_objects_keep_their_depression(void **state) {
     }
 }
 
+/* A rig of points alone, in bins of BIN_M. */
+static ping_rig rig_of_points(double bin_m) {
+    ping_rig r = rig_create(&t);
+    asdic_scene_destroy(&r.scene);
+    assert_ok(t.ctx, asdic_scene_create(t.ctx, &r.scene));
+    r.env.wind_speed_kn = 0.0;
+    r.env.particle_strength_db = -200.0;
+    r.sonar.bin_length_m = bin_m;
+    return r;
+}
+
+/* A point below a calm surface: what goes out straight and comes home by the surface, and what goes the other
+ * way round, are in one bin; or all ways are. Each counts by the gains it goes out and comes home with. */
+static void points_arrive_from_the_mean_of_their_ways(void **state) {
+    (void)state;
+    static const struct {
+        double bin_m, sonar_z, x, z;
+    } cases[] = {{0.05, 3.0, 15.0, 7.0}, {0.5, 1.0, 60.0, 1.5}, {0.05, 7.0, 20.0, 3.0}};
+    const kind k = {.beams = 3, .multipath = ASDIC_MULTIPATH_BOUNDARIES};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        ping_rig r = rig_of_points(cases[i].bin_m);
+        double rise[2] = {cases[i].z - cases[i].sonar_z, -cases[i].z - cases[i].sonar_z};
+        r.pose.position_m.z = cases[i].sonar_z;
+        r.sampling.multipath = k.multipath;
+        r.sonar.transmitter.length_v_m = 0.02;
+        r.sonar.transmitter.pitch_rad = 10.0 * RIG_DEGREE;
+        const asdic_vec3 at = {cases[i].x, 0.0, cases[i].z};
+        assert_ok(t.ctx, asdic_scene_add_point(r.scene, "point", at, -10.0));
+        asdic_ping *p = shoot(&r, &k, true);
+        double c_mps = asdic_environment_sound_speed_mps(&r.env, r.pose.position_m.z);
+        double wavelength_m = c_mps / r.sonar.frequency_hz;
+        double alpha = asdic_environment_absorption_db_per_km(&r.env, r.sonar.frequency_hz,
+                                                              r.pose.position_m.z);
+        for (size_t b = 0; b < k.beams; b++) {
+            for (size_t n = 0; n < p->bins; n++) {
+                double sum = 0.0, moment = 0.0;
+                for (int way = 0; way < 4; way++) {
+                    double out_m = hypot(at.x, rise[way / 2]), home_m = hypot(at.x, rise[way % 2]);
+                    const double out[] = {at.x / out_m, 0.0, rise[way / 2] / out_m},
+                                 home[] = {at.x / home_m, 0.0, rise[way % 2] / home_m};
+                    double range_m = 0.5 * (out_m + home_m);
+                    double energy = gain(&r.sonar.transmitter, wavelength_m, out) *
+                                    gain(&r.receivers[b], wavelength_m, home) *
+                                    pow(10.0, -2e-4 * alpha * range_m) /
+                                    (out_m * out_m * home_m * home_m);
+                    bool is_here = (size_t)(range_m / cases[i].bin_m) == n;
+                    sum += is_here ? energy : 0.0;
+                    moment += is_here ? energy * home[2] : 0.0;
+                }
+                if (sum > 0.0) {
+                    double depression = (double)p->truth->depression_rad[b * p->bins + n];
+                    print_message("beam %zu, bin %zu: from %.5f rad, by hand %.5f\n", b, n,
+                                  depression, asin(moment / sum));
+                    assert_close(depression, asin(moment / sum), 1e-4);
+                }
+            }
+        }
+        asdic_ping_destroy(&p);
+        rig_destroy(&r);
+    }
+}
+
+/* Rays of a channel bring a point's echo in many bins, and a long pulse into each other's: all are its own. */
+static void a_point_has_all_of_its_echoes(void **state) {
+    (void)state;
+    const kind k = {.beams = 3, .bandwidth_hz = 400.0};
+    ping_rig r = rig_of_points(0.05);
+    asdic_scene_set_surface(r.scene, false);
+    r.env.sound_speed_profile =
+        (asdic_sound_profile){4, {0.0, 3.0, 7.0, 12.0}, {1500, 1490, 1480, 1486}};
+    r.env.refraction = ASDIC_REFRACTION_FULL;
+    r.sonar.bandwidth_hz = k.bandwidth_hz;
+    r.sonar.max_range_m = 250.0;
+    r.sonar.ping_rate_hz = 2.0;
+    const asdic_vec3 at = {200.0, 0.0, 7.0};
+    assert_ok(t.ctx, asdic_scene_add_point(r.scene, "point", at, 40.0));
+    asdic_ping *p = shoot(&r, &k, true);
+    size_t told = 0;
+    for (size_t n = 0; n < p->beams * p->bins; n++) {
+        double all = p->intensity_lin[ASDIC_OBJECT][n], total = p->intensity_lin[ASDIC_TOTAL][n];
+        if (all > 0.0) {
+            assert_close(p->truth->object_share[n], all / total, 1e-6);
+            told++;
+        }
+    }
+    assert_true(told > 0);
+    asdic_ping_destroy(&p);
+    rig_destroy(&r);
+}
+
 /* --- paths, and who may ask ------------------------------------------------------------------- */
 
 /* Where only one thing mirrors, all multipath is by way of it; a point is heard over boundaries, too. */
@@ -598,6 +688,8 @@ int main(int argc, char **argv) {
         cmocka_unit_test(spheres_are_as_summed_by_hand),
         cmocka_unit_test(faint_objects_keep_their_depression),
         cmocka_unit_test(fans_tell_depressions),
+        cmocka_unit_test(points_arrive_from_the_mean_of_their_ways),
+        cmocka_unit_test(a_point_has_all_of_its_echoes),
         cmocka_unit_test(mirrors_are_told_apart),
         cmocka_unit_test(a_pulse_at_the_end_arrives_from_its_object),
         cmocka_unit_test(a_simulator_without_truth_says_so),
