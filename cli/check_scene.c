@@ -196,7 +196,8 @@ asdic_status check_scene(cli *c, const char *path, json *j) {
     asdic_mission *mission = NULL;
     TRY(asdic_mission_load(cli_context(c), path, &mission));
     scene_numbers numbers;
-    asdic_status status = find_numbers(c, mission, &numbers);
+    asdic_status status = asdic_mission_check_draws(cli_context(c), mission);
+    status = status ? status : find_numbers(c, mission, &numbers);
     if (status) {
         asdic_mission_destroy(&mission);
         return status;

@@ -101,14 +101,16 @@ const cli_command cli_check_command = {
     .min_operands = 1,
     .max_operands = CLI_ANY_NUMBER,
     .summary = "validate scene files and meshes, and say what is in them",
-    .details = "Scenes are read as 'asdic run' reads them, with their meshes, grids and tracks; "
-               "every error is named with line, column, key, value, limit and remedy; '-' is a "
-               "scene on standard input. Meshes "
-               "(.obj, .ply, .stl, .off) and grids (.asc) are described in their own axes and "
-               "units. All files are looked at; the exit code is 3 when any of them is bad. With "
-               "--quiet nothing else is told. With "
-               "--track the way of one scene's vehicle is written instead, as a track that "
-               "'mission: {track: FILE}' reads.",
+    .details =
+        "Scenes are read as 'asdic run' reads them, with their meshes, grids and tracks, and "
+        "the files that draws of a trial may bring; "
+        "every error is named with line, column, key, value, limit and remedy; '-' is a "
+        "scene on standard input. Meshes "
+        "(.obj, .ply, .stl, .off) and grids (.asc) are described in their own axes and "
+        "units. All files are looked at; the exit code is 3 when any of them is bad. With "
+        "--quiet nothing else is told. With "
+        "--track the way of one scene's vehicle is written instead, as a track that "
+        "'mission: {track: FILE}' reads.",
     .examples = "asdic check scene.yaml wreck.ply depths.asc\n"
                 "asdic check scene.yaml --track track.csv",
     .options = options,

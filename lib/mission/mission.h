@@ -19,6 +19,7 @@ typedef struct asdic_motion {
 } asdic_motion;
 
 typedef struct mission_mesh mission_mesh; /* mission_meshes.c */
+struct asdic_text;                        /* base/text.h */
 
 struct asdic_mission {
     asdic_context *ctx;
@@ -82,10 +83,11 @@ asdic_status asdic_mission_load_like(asdic_context *ctx, const char *path, const
 const asdic_mission_object *asdic_mission_bottom_mesh(const asdic_mission *mission);
 
 /* Whether the scene file at PATH with SETTINGS can be what run DRAW->run draws: by its text, no other file than those it
- * includes is opened. IS_FIRST: also whether its draws can be those of any run. */
+ * includes is opened. OPENED, NULL for all but the first: also whether its draws can be those of any run, with the files
+ * that they name, each once: OPENED, empty at first and to be finished, keeps their names. */
 asdic_status asdic_mission_check_run(asdic_context *ctx, const char *path,
                                      const asdic_setting *settings, size_t count,
-                                     const asdic_draw *draw, bool is_first);
+                                     const asdic_draw *draw, struct asdic_text *opened);
 
 /* The mission of the scene file at PATH, if that, with what it includes, says what the mission with
  * HASH did; NULL if it is gone, or says something else. */

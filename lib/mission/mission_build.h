@@ -28,9 +28,10 @@ typedef struct mission_builder {
     mission_extent extent;
     const asdic_setting *settings; /* in place of what the file says */
     size_t setting_count;
-    const asdic_draw *draw; /* the run of a trial; NULL: the scene itself */
-    bool many;              /* as asdic_mission_load_like; with */
-    bool tells;             /* what is said once of many runs */
+    const asdic_draw *draw;    /* the run of a trial; NULL: the scene itself */
+    bool many;                 /* as asdic_mission_load_like; with */
+    bool tells;                /* what is said once of many runs */
+    struct asdic_text *opened; /* files that draws name, and were opened; NULL: they stay closed */
     const asdic_mission *const *bases;
     size_t base_count;
     const asdic_scene_text *memory; /* where the scene is; NULL: in a file */
@@ -46,6 +47,9 @@ typedef struct mission_builder {
  * true when there is one. */
 asdic_status asdic_mission_include(mission_builder *b, asdic_yaml_node *root, bool *included);
 asdic_status asdic_mission_include_cast(mission_builder *b, asdic_yaml_node *root, bool *included);
+/* Opens the files that choices of TRIAL's draws name, but for those that were opened, and reports what is wrong with
+ * them. */
+asdic_status asdic_mission_open_drawn(mission_builder *b, const file_trial *trial);
 /* The tree in place of the mission's text and hash. */
 asdic_status asdic_mission_keep_tree(mission_builder *b, const asdic_yaml_node *root);
 /* Takes CHILD out of MAP. */

@@ -136,6 +136,9 @@ static asdic_status read_trial(mission_builder *b, asdic_yaml_node *root, file_t
         if (b->tells) {
             asdic_scene_draw_check_values(file, NULL, b->arena, b->problems);
         }
+        if (b->opened && asdic_scene_node_good(node)) {
+            TRY(asdic_mission_open_drawn(b, file));
+        }
         b->draw = node->bad ? NULL : b->draw; /* no run is at fault */
         asdic_mission_take_out(root, node);
         asdic_yaml_print(node, &text);
@@ -269,7 +272,7 @@ static asdic_status load(mission_builder *b, asdic_scene_file *file) {
     asdic_drawn drawn = {.settings = b->settings, .setting_count = b->setting_count};
     TRY(read_scene(b, &root, &trial, &drawn));
     if (b->extent == MISSION_TEXT) {
-        return ASDIC_OK;
+        return asdic_problems_report(b->problems, b->ctx);
     }
     if (!asdic_scene_file_take(root, b->arena, b->problems, file)) {
         return asdic_fail_memory(b->ctx, "the scene file's content");
@@ -386,15 +389,34 @@ asdic_status asdic_mission_load_run(asdic_context *ctx, const char *path,
 
 asdic_status asdic_mission_check_run(asdic_context *ctx, const char *path,
                                      const asdic_setting *settings, size_t count,
-                                     const asdic_draw *draw, bool is_first) {
+                                     const asdic_draw *draw, asdic_text *opened) {
     asdic_mission *mission = NULL;
     const mission_builder how = {.extent = MISSION_CHECKED,
                                  .settings = settings,
                                  .setting_count = count,
                                  .draw = draw,
-                                 .tells = is_first};
+                                 .tells = opened != NULL,
+                                 .opened = opened};
     asdic_status status = load_file(ctx, path, &how, &mission);
     asdic_mission_destroy(&mission);
+    return status;
+}
+
+asdic_status asdic_mission_check_draws(asdic_context *ctx, const asdic_mission *mission) {
+    if (!mission) {
+        return asdic_fail_null(ctx, __func__);
+    }
+    bool is_stdin = strcmp(mission->path, "-") == 0; /* it was read to its end */
+    const asdic_scene_text text = {.text = mission->text, .length = strlen(mission->text)};
+    asdic_text opened = {0};
+    asdic_mission *checked = NULL;
+    const mission_builder how = {.extent = MISSION_TEXT,
+                                 .draw = &(asdic_draw){0, 0},
+                                 .opened = &opened,
+                                 .memory = is_stdin ? &text : NULL};
+    asdic_status status = load_file(ctx, is_stdin ? "stdin" : mission->path, &how, &checked);
+    asdic_mission_destroy(&checked);
+    asdic_text_finish(&opened);
     return status;
 }
 

@@ -5,6 +5,7 @@
 
 #include "base/context.h"
 #include "base/file_name.h"
+#include "base/text.h"
 #include "base/try.h"
 #include "mission/run/run_folder.h"
 #include "out/digits.h"
@@ -87,18 +88,27 @@ static void find_settings(const asdic_trial_options *o, uint64_t run, size_t var
     }
 }
 
-asdic_status asdic_trial_check_draws(asdic_context *ctx, const asdic_trial_options *o) {
-    TRY(check_vary(ctx, o));
-    for (uint64_t run = o->first; run < o->first + o->count; run++) {
-        const asdic_draw draw = {o->seed, run};
-        TRY(asdic_step(ctx, "draws", run - o->first, o->count));
-        for (size_t v = 0; v < o->variants.count; v++) {
-            run_settings s;
-            find_settings(o, run, v, &s);
-            TRY(asdic_mission_check_run(ctx, o->scene, s.items, s.count, &draw, run == o->first));
-        }
+/* OPENED as in asdic_mission_check_run, for the first run. */
+static asdic_status check_run(asdic_context *ctx, const asdic_trial_options *o, uint64_t run,
+                              asdic_text *opened) {
+    const asdic_draw draw = {o->seed, run};
+    TRY(asdic_step(ctx, "draws", run - o->first, o->count));
+    for (size_t v = 0; v < o->variants.count; v++) {
+        run_settings s;
+        find_settings(o, run, v, &s);
+        TRY(asdic_mission_check_run(ctx, o->scene, s.items, s.count, &draw, opened));
     }
     return ASDIC_OK;
+}
+
+asdic_status asdic_trial_check_draws(asdic_context *ctx, const asdic_trial_options *o) {
+    asdic_text opened = {0};
+    asdic_status status = check_vary(ctx, o);
+    for (uint64_t run = o->first; !status && run < o->first + o->count; run++) {
+        status = check_run(ctx, o, run, run == o->first ? &opened : NULL);
+    }
+    asdic_text_finish(&opened);
+    return status;
 }
 
 asdic_status asdic_trial_load(asdic_context *ctx, const asdic_trial_options *o, uint64_t run,

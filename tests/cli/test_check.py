@@ -169,6 +169,38 @@ def test_draws_are_judged():
         tap.contains(done.err, words)
 
 
+def test_files_of_draws_are_opened():
+    """Whatever key the choice is of, and each of them once, at the line of the draw; what is wrong inside at its own."""
+    head = MINIMAL + "trial:\n  draws:\n"
+    ball = "{name: ball, mesh: {file: %s}, position_m: [9, 0, 7]}"
+    objects = "objects:\n" + 2 * "  - {sphere: {radius_m: 1}, position_m: [9, 0, 7]}\n"
+    nope = "stdin:11:%d: error: nope.%s: cannot open: No such file or directory  [%s]\nerror: stdin: 1 error\n"
+    with folder(ball_obj=TETRAHEDRON, bad_ply="plz\n", bad_csv="time_s,x_m\n", cast_csv="depth_m\n") as at:
+        def check(draws, code=3):
+            lines = "".join(f"    - {draw}\n" for draw in draws)
+            return asdic("check", "-", stdin=head + lines + objects, cwd=at).check(code).err
+        for draw, words in (
+                ("{key: 'objects[0]', choice: [none, " + ball % "nope.ply" + "]}", nope % (68, "ply", "objects[0].mesh.file")),
+                ("{key: bottom, choice: [{grid: nope.asc}, {depth_m: 9}]}", nope % (37, "asc", "bottom.grid.file")),
+                ("{key: bottom.mesh.file, choice: [nope.ply, ball.obj]}", nope % (40, "ply", "bottom.mesh.file")),
+                ("{key: bottom.curve, choice: [nope.csv]}", nope % (36, "csv", "bottom.curve")),
+                ("{key: mission, choice: [{track: nope.csv}]}", nope % (39, "csv", "mission.track")),
+                ("{key: 'objects[0].track', choice: [nope.csv]}", nope % (42, "csv", "objects[0].track")),
+                ("{key: sonar.file, choice: [nope.yaml]}", nope % (34, "yaml", "sonar.file")),
+                ("{key: environment.sound_speed_profile, choice: [nope.csv]}", nope % (55, "csv", "environment.sound_speed_profile")),
+                ("{key: bottom.mesh, choice: [bad.ply]}", "stdin:11:35: error: bad.ply:1: does not start with 'ply'"),
+                ("{key: mission.track, choice: [bad.csv]}", "bad.csv:1:1: error: missing column 'y_m'"),
+                ("{key: environment.sound_speed_profile, choice: [cast.csv]}", "cast.csv:1:1: error: missing column 'sound_speed_mps'")):
+            tap.contains(check([draw]), words)
+        # Others draw what the object lacks; choices lie within each other, and name a file again.
+        inner = ball % "{choice: [ball.obj, ball.obj, ball.obj, nope.ply]}"
+        err = check(["{key: 'objects[0]', choice: [" + inner.replace(", position_m: [9, 0, 7]", "") + "]}",
+                     "{key: 'objects[0].position_m', choice: [[9, 0, 7]]}",
+                     "{key: 'objects[1]', choice: [" + inner + ", " + ball % "nope.ply" + "]}"])
+        tap.equal(err.count("nope.ply: cannot open"), 1, "said once")
+        check(["{key: 'objects[0]', choice: [none, " + ball % "ball.obj" + "]}"], 0)
+
+
 def test_places_that_may_be_meant_otherwise_are_not_judged():
     """Of a bottom that is given twice, a mission that ends at a ping not known or a rate not known it is not said that
     the sonar is below the bottom, or at which ping."""

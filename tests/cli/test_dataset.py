@@ -204,10 +204,12 @@ def test_frames_of_no_set_are_made_again():
 
 
 def test_no_frame_is_made_of_a_set_that_cannot_be_drawn():
-    """A misspelt key, or the tail of a later frame, is told before the first."""
+    """A misspelt key, a file that is not there, or the tail of a later frame, is told before the first."""
     program.need_device()
     with Folder() as folder:
         for draw, words in (("{key: misson.pose.yaw_deg, uniform: [-5, 5]}", "unknown key 'misson'; did you mean 'mission'?"),
+                            ("{key: bottom, choice: [" + 9 * "{depth_m: 10}, " + "{mesh: no.ply}]}",
+                             "no.ply: cannot open: No such file or directory  [bottom.mesh.file]\nerror: "),
                             ("{key: environment.ph, normal: [7.8, 0.2]}", " with seed 1; keep what is drawn to what a")):
             path = scene(folder, a=("{key: mission.pose.yaw_deg, uniform: [-5, 5]}", draw))
             done = asdic("dataset", path, "-n", 3000, "-o", folder / "d").check(code=3)

@@ -667,6 +667,10 @@ def test_scenes_and_options_that_cannot_be():
             refuse(ideal + draws, 3, " with seed 1; keep what is drawn to what a scene may have, tails of 'normal' by "
                    "'within'", "--runs", 1000)
             tap.equal(os.path.exists(folder / "bad"), False, "flown before the error")
+        mesh = "{name: ball, mesh: no.ply, position_m: [40, 0, 30]}"
+        refuse(ideal + f"  draws: [{{key: 'objects[0]', choice: [none, none, none, none, {mesh}]}}]\n", 3,
+               f"no.ply: cannot open: No such file or directory  [objects[0].mesh.file]\nerror: {folder / 'bad.yaml'}: 1 error\n")
+        tap.equal(os.path.exists(folder / "bad"), False, "flown before the error")
         refuse(ideal + "  draws: [{key: 'objects[4].position_m', choice: [[1, 2, 3]]}]\n", 3,
                "there is no '[4]' here")
         refuse(ideal + "  draws: [{key: 'mission.waypoints.current_mps[1]', uniform: [0, 1]}]\n", 3,

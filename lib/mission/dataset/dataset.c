@@ -516,13 +516,18 @@ static asdic_status check_options(asdic_context *ctx, asdic_dataset_options *o) 
 
 /* Of a frame that cannot be drawn the set should not end after hours. */
 static asdic_status check_draws(const dataset *d) {
-    for (size_t index = d->options.first; index < d->options.end; index++) {
-        const asdic_draw draw = {d->options.seed, index};
-        TRY(asdic_step(d->ctx, "draws", index - d->options.first,
-                       d->options.end - d->options.first));
-        TRY(asdic_mission_check_run(d->ctx, d->scene, NULL, 0, &draw, index == d->options.first));
+    const asdic_dataset_options *o = &d->options;
+    asdic_text opened = {0};
+    asdic_status status = ASDIC_OK;
+    for (size_t index = o->first; !status && index < o->end; index++) {
+        const asdic_draw draw = {o->seed, index};
+        status = asdic_step(d->ctx, "draws", index - o->first, o->end - o->first);
+        status = status ? status
+                        : asdic_mission_check_run(d->ctx, d->scene, NULL, 0, &draw,
+                                                  index == o->first ? &opened : NULL);
     }
-    return ASDIC_OK;
+    asdic_text_finish(&opened);
+    return status;
 }
 
 static asdic_status make_set(dataset *d) {

@@ -332,7 +332,7 @@ static void draw_all(const drawer *d, asdic_yaml_node *root, const file_trial *t
 void asdic_scene_draw(asdic_yaml_node *root, const file_trial *trial, const asdic_draw *draw,
                       asdic_scene_turn turn, asdic_arena *arena, asdic_problems *problems,
                       asdic_drawn *drawn) {
-    const drawer d = {.reader = {asdic_scene_table(), arena, problems}, .draw = draw};
+    const drawer d = {.reader = {asdic_scene_table(), arena, problems, NULL}, .draw = draw};
     if (asdic_scene_node_good(trial->node)) {
         draw_all(&d, root, trial, turn, drawn);
     }
@@ -532,7 +532,7 @@ void asdic_scene_draw_check(const file_trial *trial, asdic_arena *arena, asdic_p
         asdic_yaml_problem(problems, hits, "'hits' = %lld is more than 'of' = %lld pings",
                            (long long)trial->rule.hits, (long long)trial->rule.of);
     }
-    const asdic_schema_reader r = {asdic_scene_table(), arena, problems};
+    const asdic_schema_reader r = {asdic_scene_table(), arena, problems, NULL};
     const file_draw *draws = trial->draws.items;
     for (size_t i = 0; i < trial->draws.count; i++) {
         check_key(&draws[i], problems);
@@ -573,7 +573,12 @@ static size_t widest_choice(const asdic_yaml_node *node) {
 
 /* Reads what DRAW gives at one of its ends as the value of KEY; false after a problem. */
 static bool check_end(const drawer *d, const file_draw *draw, const asdic_key *key) {
-    asdic_yaml_node value = *draw->node, *key_node = draw->key;
+    asdic_yaml_node value = *draw->node, scene = {0}, *key_node = draw->key;
+    if (d->reader.files) { /* it stands for the scene's, and is not at fault */
+        value.parent = &scene;
+        value.key = key_node->text;
+        value.key_length = key_node->length;
+    }
     size_t before = d->reader.problems->total, index = 0;
     if (draw->choice) {
         const asdic_yaml_node *chosen = draw->choice->first;
@@ -601,8 +606,8 @@ static void check_ends(const asdic_schema_reader *r, const file_draw *draw, cons
                            key->name);
         return;
     }
-    for (bool good = true; (good || d.entry < own) && d.entry < (widest > 0 ? widest : 1);
-         d.entry++) {
+    for (bool good = true;
+         (good || d.entry < own || r->files) && d.entry < (widest > 0 ? widest : 1); d.entry++) {
         good = true;
         for (size_t i = 0; i < sizeof looks / sizeof *looks && good; i++) {
             d.share = looks[i];
@@ -613,7 +618,7 @@ static void check_ends(const asdic_schema_reader *r, const file_draw *draw, cons
 
 void asdic_scene_draw_check_values(const file_trial *trial, asdic_yaml_node *root,
                                    asdic_arena *arena, asdic_problems *problems) {
-    const asdic_schema_reader r = {asdic_scene_table(), arena, problems};
+    const asdic_schema_reader r = {asdic_scene_table(), arena, problems, NULL};
     const file_draw *draws = trial->draws.items;
     for (size_t i = 0; i < trial->draws.count; i++) {
         asdic_yaml_node *name = draws[i].key;
@@ -631,4 +636,19 @@ void asdic_scene_draw_check_values(const file_trial *trial, asdic_yaml_node *roo
             check_ends(&r, &draws[i], &key);
         }
     }
+}
+
+void asdic_scene_draw_name_files(const file_trial *trial, asdic_arena *arena,
+                                 const asdic_file_taker *files) {
+    asdic_problems untold = {0}; /* what lacks keys that are drawn apart names files all the same */
+    const asdic_schema_reader r = {asdic_scene_table(), arena, &untold, files};
+    const file_draw *draws = trial->draws.items;
+    for (size_t i = 0; i < trial->draws.count; i++) {
+        asdic_yaml_node name = *draws[i].key;
+        asdic_key key;
+        if (draws[i].choice && asdic_schema_find(&r, name.text, &name, &key)) {
+            check_ends(&r, &draws[i], &key);
+        }
+    }
+    asdic_problems_finish(&untold);
 }

@@ -51,4 +51,8 @@ void asdic_scene_draw_check(const file_trial *trial, asdic_arena *arena, asdic_p
 void asdic_scene_draw_check_values(const file_trial *trial, asdic_yaml_node *root,
                                    asdic_arena *arena, asdic_problems *problems);
 
+/* Hands the names of files that choices hold to FILES, some more than once. */
+void asdic_scene_draw_name_files(const file_trial *trial, asdic_arena *arena,
+                                 const asdic_file_taker *files);
+
 #endif

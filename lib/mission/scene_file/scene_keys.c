@@ -32,7 +32,8 @@ static const asdic_key environment_keys[] = {
      .doc = "change of the sound speed with depth, which bends rays; the speed is then that at the "
             "surface"},
     {"sound_speed_profile", ASDIC_KEY_CURVE, ASDIC_KEY_AT_MOST_ONE, ENV(sound_speed_profile),
-     .unit = "m", .min = 0, .max = 11000, .least = 2, .count = ASDIC_PROFILE_POINTS,
+     .file = ASDIC_FILE_CAST, .unit = "m", .min = 0, .max = 11000, .least = 2,
+     .count = ASDIC_PROFILE_POINTS,
      .doc = "sound speed over depth: a CSV file with depth_m,sound_speed_mps or "
             "depth_m,temperature_degc[,salinity_ppt], or a list of [depth_m, sound_speed_mps]"},
 };

@@ -13,7 +13,7 @@ const asdic_table asdic_surface_table = {TABLE(surface_keys, file_surface),
                                          .doc = "the sea surface, the plane z = 0"};
 
 static const asdic_key mesh_keys[] = {
-    {"file", ASDIC_KEY_PATH, ASDIC_KEY_REQUIRED, AT(file_mesh, file),
+    {"file", ASDIC_KEY_PATH, ASDIC_KEY_REQUIRED, AT(file_mesh, file), .file = ASDIC_FILE_MESH,
      .doc = "mesh file (OBJ, PLY, STL, OFF), relative to the scene file"},
     {"scale", ASDIC_KEY_NUMBER, AT(file_mesh, scale), .min = 1e-6, .max = 1e6, .fallback = "1",
      .doc = "metres per unit of the file: 0.001 for millimetres"},
@@ -26,7 +26,7 @@ static const asdic_table mesh_table = {TABLE(mesh_keys, file_mesh), .doc = "a me
 static const asdic_word grid_words[] = {
     {"depths", FILE_GRID_DEPTHS}, {"heights", FILE_GRID_HEIGHTS}, {NULL, 0}};
 static const asdic_key grid_keys[] = {
-    {"file", ASDIC_KEY_PATH, ASDIC_KEY_REQUIRED, AT(file_grid, file),
+    {"file", ASDIC_KEY_PATH, ASDIC_KEY_REQUIRED, AT(file_grid, file), .file = ASDIC_FILE_GRID,
      .doc = "ESRI ASCII grid, relative to the scene file"},
     {"values", ASDIC_KEY_WORD, AT(file_grid, values), .words = grid_words, .fallback = "depths",
      .doc = "what the grid holds: depths, positive down, or heights, positive up"},
@@ -123,7 +123,7 @@ static const asdic_key object_keys[] = {
     {"position_m", ASDIC_KEY_NUMBERS, ASDIC_KEY_REQUIRED, OBJECT(position_m), .unit = "m",
      .min = -1e7, .max = 1e7, .count = 3, .unless = "track",
      .doc = "centre (of a mesh: its origin), north, east, down"},
-    {"track", ASDIC_KEY_PATH, OBJECT(track),
+    {"track", ASDIC_KEY_PATH, OBJECT(track), .file = ASDIC_FILE_TRACK,
      .doc = "CSV file, as a mission's, of where it moves: its centre and attitude at the pings' "
             "times"},
     {"rotation_deg", ASDIC_KEY_NUMBERS, OBJECT(rotation_deg), .unit = "deg", .min = -360,

@@ -132,7 +132,7 @@ static const asdic_word speckle_words[] = {{"none", ASDIC_SPECKLE_NONE},
 
 #define SONAR(member) AT(file_sonar, member)
 static const asdic_key sonar_keys[] = {
-    {"file", ASDIC_KEY_PATH, SONAR(file),
+    {"file", ASDIC_KEY_PATH, SONAR(file), .file = ASDIC_FILE_SONAR,
      .doc = "a file that holds keys of the sonar; those beside it come first, in maps key by key"},
     {"frequency_khz", ASDIC_KEY_NUMBER, ASDIC_KEY_REQUIRED, SONAR(frequency_khz), .unit = "kHz",
      .min = 0.1, .max = ASDIC_MOST_KHZ, .unless = "file", .doc = "centre frequency"},
@@ -220,7 +220,7 @@ static const asdic_table waypoints_table = {TABLE(waypoints_keys, file_waypoints
 static const asdic_key mission_keys[] = {
     {"pose", ASDIC_KEY_MAP, ASDIC_KEY_ONE_OF | ASDIC_KEY_OPTIONAL, MISSION(pose),
      .table = &pose_table, .doc = "a vehicle at rest"},
-    {"track", ASDIC_KEY_PATH, ASDIC_KEY_ONE_OF, MISSION(track),
+    {"track", ASDIC_KEY_PATH, ASDIC_KEY_ONE_OF, MISSION(track), .file = ASDIC_FILE_VEHICLE_TRACK,
      .doc = "CSV file of time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg, relative to the scene"},
     {"waypoints", ASDIC_KEY_MAP, ASDIC_KEY_ONE_OF | ASDIC_KEY_OPTIONAL, MISSION(waypoints),
      .table = &waypoints_table,

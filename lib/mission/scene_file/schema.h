@@ -26,6 +26,17 @@ typedef enum asdic_key_type {
     ASDIC_KEY_NODE,    /* asdic_yaml_node *: any value, as it stands */
 } asdic_key_type;
 
+/* What is in the file that a PATH names, or a CURVE in place of its points; a law's key says which columns it has. */
+typedef enum asdic_file_kind {
+    ASDIC_FILE_COLUMNS,
+    ASDIC_FILE_MESH,
+    ASDIC_FILE_GRID,
+    ASDIC_FILE_TRACK,
+    ASDIC_FILE_VEHICLE_TRACK,
+    ASDIC_FILE_CAST,
+    ASDIC_FILE_SONAR
+} asdic_file_kind;
+
 /* Exactly one / at most one of the keys of a table that carry the flag may be given. */
 #define ASDIC_KEY_ONE_OF 1u
 #define ASDIC_KEY_AT_MOST_ONE 2u
@@ -59,6 +70,7 @@ typedef struct asdic_key {
     const struct asdic_table *map_form; /* LIST: what a map in its place means ... */
     size_t map_offset;                  /* ... and where it goes */
     const char *law;      /* the scattering law whose key it is; keys of two do not go together */
+    asdic_file_kind file; /* PATH, CURVE */
     bool chooses;         /* of a law: at most one of these is given */
     const char *unless;   /* REQUIRED only where this other key is absent */
     const char *instead;  /* this other key may stand in its place */
@@ -88,10 +100,17 @@ typedef struct asdic_table {
 void asdic_schema_read(const asdic_table *table, const asdic_table *root, asdic_yaml_node *node,
                        asdic_arena *arena, asdic_problems *problems, void *out);
 
+/* Takes each name of a file that is read, the value NODE of KEY. */
+typedef struct asdic_file_taker {
+    void (*take)(void *user, const asdic_key *key, asdic_yaml_node *node);
+    void *user;
+} asdic_file_taker;
+
 typedef struct asdic_schema_reader {
     const asdic_table *root;
     asdic_arena *arena;
     asdic_problems *problems;
+    const asdic_file_taker *files; /* NULL: nobody asks */
 } asdic_schema_reader;
 
 bool asdic_schema_has(const asdic_table *table, const char *name);

@@ -244,6 +244,8 @@ static void read_key(const asdic_schema_reader *r, const asdic_key *key, asdic_y
     case ASDIC_KEY_CURVE:
         if (node && node->kind != ASDIC_YAML_SCALAR && !node->bad) {
             read_points(r, key, 2, node, at);
+        } else if (node && r->files && node->length > 0) {
+            r->files->take(r->files->user, key, node);
         } else if (
             node &&
             !node->bad) { /* nothing read it: only text was given, or another file is meant */

@@ -301,6 +301,9 @@ static void read_string(const asdic_schema_reader *r, const asdic_key *key, asdi
                            show(key, node, shown, sizeof shown), node->length, ASDIC_NAME_SIZE - 1);
     } else {
         *out = node->text;
+        if (!is_name && r->files) {
+            r->files->take(r->files->user, key, node);
+        }
     }
 }
 
