@@ -402,19 +402,25 @@ asdic_status asdic_mission_check_run(asdic_context *ctx, const char *path,
     return status;
 }
 
+/* Whether the text that is kept is not the file's, whose lines can be read anew: a pipe's cannot. */
+static bool is_to_be_read(const asdic_mission *m) {
+    struct stat st;
+    return strcmp(m->hash, m->file_hash) != 0 && stat(m->path, &st) == 0 && S_ISREG(st.st_mode);
+}
+
 asdic_status asdic_mission_check_draws(asdic_context *ctx, const asdic_mission *mission) {
     if (!mission) {
         return asdic_fail_null(ctx, __func__);
     }
-    bool is_stdin = strcmp(mission->path, "-") == 0; /* it was read to its end */
+    const char *path = strcmp(mission->path, "-") == 0 ? "stdin" : mission->path;
     const asdic_scene_text text = {.text = mission->text, .length = strlen(mission->text)};
     asdic_text opened = {0};
     asdic_mission *checked = NULL;
     const mission_builder how = {.extent = MISSION_TEXT,
                                  .draw = &(asdic_draw){0, 0},
                                  .opened = &opened,
-                                 .memory = is_stdin ? &text : NULL};
-    asdic_status status = load_file(ctx, is_stdin ? "stdin" : mission->path, &how, &checked);
+                                 .memory = is_to_be_read(mission) ? NULL : &text};
+    asdic_status status = load_file(ctx, path, &how, &checked);
     asdic_mission_destroy(&checked);
     asdic_text_finish(&opened);
     return status;
