@@ -41,7 +41,7 @@ static asdic_status read_track(mission_builder *b, bool of_vehicle, const char *
     return status;
 }
 
-/* Meshes have the scale at which they are read as they stand. */
+/* The scale may be drawn as well: at the least of all no vertex is too far that is not so at each other. */
 static asdic_status read_file(mission_builder *b, const asdic_key *key, const asdic_yaml_node *node,
                               const char *path) {
     asdic_mesh *mesh = NULL;
@@ -57,7 +57,7 @@ static asdic_status read_file(mission_builder *b, const asdic_key *key, const as
     case ASDIC_FILE_SONAR:
         return include(b, node, "sonar", "file");
     case ASDIC_FILE_MESH:
-        status = asdic_mesh_load(b->ctx, path, 1.0, true, &mesh);
+        status = asdic_mesh_load(b->ctx, path, 1e-6, true, &mesh);
         break;
     case ASDIC_FILE_GRID:
         status = asdic_mesh_load_grid(b->ctx, path, true, &mesh);

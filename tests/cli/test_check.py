@@ -175,7 +175,8 @@ def test_files_of_draws_are_opened():
     ball = "{name: ball, mesh: {file: %s}, position_m: [9, 0, 7]}"
     objects = "objects:\n" + 2 * "  - {sphere: {radius_m: 1}, position_m: [9, 0, 7]}\n"
     nope = "stdin:11:%d: error: nope.%s: cannot open: No such file or directory  [%s]\nerror: stdin: 1 error\n"
-    with folder(ball_obj=TETRAHEDRON, bad_ply="plz\n", bad_csv="time_s,x_m\n", cast_csv="depth_m\n") as at:
+    far = TETRAHEDRON.replace("v 0", "v 5900000000").replace("v 1", "v 5900000001")
+    with folder(ball_obj=TETRAHEDRON, far_obj=far, bad_ply="plz\n", bad_csv="time_s,x_m\n", cast_csv="depth_m\n") as at:
         def check(draws, code=3):
             lines = "".join(f"    - {draw}\n" for draw in draws)
             return asdic("check", "-", stdin=head + lines + objects, cwd=at).check(code).err
@@ -199,6 +200,7 @@ def test_files_of_draws_are_opened():
                      "{key: 'objects[1]', choice: [" + inner + ", " + ball % "nope.ply" + "]}"])
         tap.equal(err.count("nope.ply: cannot open"), 1, "said once")
         check(["{key: 'objects[0]', choice: [none, " + ball % "ball.obj" + "]}"], 0)
+        check(["{key: 'objects[0]', choice: [none, " + ball % "far.obj, scale: 0.001" + "]}"], 0)
 
 
 def test_places_that_may_be_meant_otherwise_are_not_judged():
