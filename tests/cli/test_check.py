@@ -199,6 +199,9 @@ def test_files_of_draws_are_opened():
                      "{key: 'objects[0].position_m', choice: [[9, 0, 7]]}",
                      "{key: 'objects[1]', choice: [" + inner + ", " + ball % "nope.ply" + "]}"])
         tap.equal(err.count("nope.ply: cannot open"), 1, "said once")
+        for draw in (ball % "{choice: [ball.obj, nope.ply]}" + ", none", "none, none, " + ball % "{choice: [nope.ply, ball.obj]}",
+                     "none, {choice: [" + ball % "{choice: [ball.obj, nope.ply]}" + ", none]}"):
+            tap.contains(check(["{key: 'objects[0]', choice: [" + draw + "]}"]), "nope.ply: cannot open")
         check(["{key: 'objects[0]', choice: [none, " + ball % "ball.obj" + "]}"], 0)
         check(["{key: 'objects[0]', choice: [none, " + ball % "far.obj, scale: 0.001" + "]}"], 0)
 

@@ -26,12 +26,12 @@
 #define LEAST_SHARE 1e-9
 
 /* Where numbers are looked at: at both ends, and between, at none that is whole. */
-static const double looks[] = {0.0, 1.0, 0.381966011250105};
+static const double shares[] = {0.0, 1.0, 0.381966011250105};
 
 typedef struct drawer {
     asdic_schema_reader reader;
     const asdic_draw *draw; /* NULL: what may be drawn is looked at: */
-    size_t entry;           /* of each choice this, at most the last; */
+    size_t look;            /* 0 .. count_looks - 1: which entries choices give; */
     double share;           /* and of numbers what lies so far from the lower to the upper end */
 } drawer;
 
@@ -122,21 +122,35 @@ static void draw_number(const drawer *d, const file_draw *file, uint64_t hash,
 
 static void take_value(const drawer *d, asdic_yaml_node *from, uint64_t hash, asdic_yaml_node *out);
 
+/* How many looks show each entry of the choices in NODE: those of a map's children are had together. */
+static size_t count_looks(const asdic_yaml_node *node) {
+    const asdic_yaml_node *choice = asdic_yaml_child(node, "choice");
+    size_t looks = choice ? 0 : 1;
+    for (const asdic_yaml_node *child = (choice ? choice : node)->first; child;
+         child = child->next) {
+        size_t own = count_looks(child);
+        looks = choice ? looks + own : own > looks ? own : looks;
+    }
+    return looks;
+}
+
 /* What the draw FILE gives. */
 static void take_draw(const drawer *d, const file_draw *file, uint64_t hash, asdic_yaml_node *out) {
     if (!file->choice) {
         draw_number(d, file, hash, out);
         return;
     }
-    size_t count = file->choice->count, last = count - 1;
-    size_t index = d->draw           ? (size_t)(uniform_of(d, hash) * (double)count)
-                   : d->entry < last ? d->entry
-                                     : last;
+    drawer inside = *d;
     asdic_yaml_node *chosen = file->choice->first;
-    while (index-- > 0) {
+    size_t index = d->draw ? (size_t)(uniform_of(d, hash) * (double)file->choice->count) : 0;
+    for (; index > 0; index--) {
         chosen = chosen->next;
     }
-    take_value(d, chosen, hash_step(hash, chosen), out);
+    for (size_t looks; !d->draw && chosen->next && inside.look >= (looks = count_looks(chosen));
+         chosen = chosen->next) {
+        inside.look -= looks;
+    }
+    take_value(&inside, chosen, hash_step(hash, chosen), out);
 }
 
 /* Makes OUT, which keeps its place, what FROM holds, draws in it drawn. */
@@ -560,35 +574,23 @@ static bool hangs(const asdic_list *draws, size_t i, bool is_part) {
     return false;
 }
 
-/* The most entries that a choice in NODE has. */
-static size_t widest_choice(const asdic_yaml_node *node) {
-    const asdic_yaml_node *choice = asdic_yaml_child(node, "choice");
-    size_t widest = choice ? choice->count : 0;
-    for (const asdic_yaml_node *child = node->first; child; child = child->next) {
-        size_t inside = widest_choice(child);
-        widest = inside > widest ? inside : widest;
-    }
-    return widest;
-}
-
-/* Reads what DRAW gives at one of its ends as the value of KEY; false after a problem. */
-static bool check_end(const drawer *d, const file_draw *draw, const asdic_key *key) {
+/* Reads what DRAW gives at one of its ends, if it is a choice of CHOSEN, as the value of KEY; false after a problem. */
+static bool check_end(const drawer *d, const file_draw *draw, asdic_yaml_node *chosen,
+                      const asdic_key *key) {
     asdic_yaml_node value = *draw->node, scene = {0}, *key_node = draw->key;
     if (d->reader.files) { /* it stands for the scene's, and is not at fault */
         value.parent = &scene;
         value.key = key_node->text;
         value.key_length = key_node->length;
     }
-    size_t before = d->reader.problems->total, index = 0;
-    if (draw->choice) {
-        const asdic_yaml_node *chosen = draw->choice->first;
-        for (; chosen->next && index < d->entry; index++) {
-            chosen = chosen->next;
-        }
+    size_t before = d->reader.problems->total;
+    if (chosen) {
         value.line = chosen->line;
         value.column = chosen->column;
+        take_value(d, chosen, ASDIC_HASH_BEGIN, &value);
+    } else {
+        take_draw(d, draw, ASDIC_HASH_BEGIN, &value);
     }
-    take_draw(d, draw, ASDIC_HASH_BEGIN, &value);
     bool goes = key_node->text[key_node->length - 1] == ']' && !is_some(&value, NULL);
     if (!goes) { /* an entry that is taken out has no value */
         asdic_schema_read_alone(&d->reader, key, &value);
@@ -596,9 +598,20 @@ static bool check_end(const drawer *d, const file_draw *draw, const asdic_key *k
     return d->reader.problems->total == before;
 }
 
-static void check_ends(const asdic_schema_reader *r, const file_draw *draw, const asdic_key *key) {
-    size_t own = draw->choice ? draw->choice->count : 1, widest = widest_choice(draw->node);
+static void check_looks(const asdic_schema_reader *r, const file_draw *draw,
+                        asdic_yaml_node *chosen, const asdic_key *key) {
     drawer d = {.reader = *r};
+    size_t looks = chosen ? count_looks(chosen) : 1;
+    for (bool good = true; (good || r->files) && d.look < looks; d.look++) {
+        good = true;
+        for (size_t i = 0; i < sizeof shares / sizeof *shares && good; i++) {
+            d.share = shares[i];
+            good = check_end(&d, draw, chosen, key);
+        }
+    }
+}
+
+static void check_ends(const asdic_schema_reader *r, const file_draw *draw, const asdic_key *key) {
     if (!draw->choice && key->type == ASDIC_KEY_INTEGER) {
         asdic_yaml_problem(r->problems, draw->node,
                            "'%s' is a whole number, of which a 'choice' can be given; others are "
@@ -606,14 +619,11 @@ static void check_ends(const asdic_schema_reader *r, const file_draw *draw, cons
                            key->name);
         return;
     }
-    for (bool good = true;
-         (good || d.entry < own || r->files) && d.entry < (widest > 0 ? widest : 1); d.entry++) {
-        good = true;
-        for (size_t i = 0; i < sizeof looks / sizeof *looks && good; i++) {
-            d.share = looks[i];
-            good = check_end(&d, draw, key);
-        }
-    }
+    asdic_yaml_node *chosen = draw->choice ? draw->choice->first : NULL;
+    do {
+        check_looks(r, draw, chosen, key);
+        chosen = chosen ? chosen->next : NULL;
+    } while (chosen);
 }
 
 void asdic_scene_draw_check_values(const file_trial *trial, asdic_yaml_node *root,
