@@ -600,13 +600,15 @@ static bool check_end(const drawer *d, const file_draw *draw, asdic_yaml_node *c
 
 static void check_looks(const asdic_schema_reader *r, const file_draw *draw,
                         asdic_yaml_node *chosen, const asdic_key *key) {
-    drawer d = {.reader = *r};
+    asdic_arena arena = {0}; /* there may be as many looks as a file has values */
+    drawer d = {.reader = {r->root, &arena, r->problems, r->files}};
     size_t looks = chosen ? count_looks(chosen) : 1;
     for (bool good = true; (good || r->files) && d.look < looks; d.look++) {
         good = true;
         for (size_t i = 0; i < sizeof shares / sizeof *shares && good; i++) {
             d.share = shares[i];
             good = check_end(&d, draw, chosen, key);
+            asdic_arena_finish(&arena);
         }
     }
 }
