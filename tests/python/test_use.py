@@ -710,18 +710,60 @@ except KeyboardInterrupt:
 """
 
 
+RAISED = """
+import ctypes, os, signal, sys, threading, time
+import asdic
+from package import pool
+class TimeUp(Exception):
+    pass
+def up(*_):
+    raise TimeUp
+signal.signal(signal.SIGALRM, up)
+signal.signal(signal.SIGTERM, lambda *_: sys.exit(3))
+how, folder = sys.argv[1:]
+long = pool(mission={"pose": {"position_m": [0, 0, 5]}, "pings": 100000}, sampling={"rays": 1 << 21})
+begun = threading.Event()
+def hit(thread):
+    begun.wait()
+    for k in range(2):  # the second while the end of the call is waited for
+        if how == "thread":
+            ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(thread.ident), ctypes.py_object(TimeUp))
+        else:
+            os.kill(os.getpid(), signal.SIGALRM if how == "alarm" else signal.SIGTERM)
+        time.sleep(0.13)
+def call():
+    told = []
+    for wait in lambda: asdic.simulate(long, folder, progress=lambda what, done, _: done > 0 and begun.set()), lambda: time.sleep(0.3):
+        try:
+            wait()
+        except (TimeUp, SystemExit) as error:
+            told.append(type(error).__name__)
+    print(told[0], [one.name for one in threading.enumerate() if one.name == "asdic"], flush=True)
+waiting = threading.Thread(target=call) if how == "thread" else threading.main_thread()
+threading.Thread(target=hit, args=(waiting,)).start()
+if how == "thread":
+    waiting.start()
+    waiting.join()
+else:
+    call()
+print(0 < len(asdic.Run(folder)) < 100000, len(asdic.simulate(long, folder, rays=1000, pings=slice(0, 2), force=True)))
+"""
+
+
 HELD_DOWN = """
 import os, signal, threading, time
 import asdic
+signal.signal(signal.SIGTERM, signal.default_int_handler)
 over, left, hits = time.monotonic() + 3, 0, 0
 pid = os.getpid()
 if os.fork() == 0:
     for k in range(300):
         time.sleep(0.003 + 0.0001 * (k * 37 % 50))
-        os.kill(pid, signal.SIGINT)
+        os.kill(pid, signal.SIGTERM if k % 3 == 0 else signal.SIGINT)
     os._exit(0)
-while hits < 300 and time.monotonic() < over:
+while hits < 300:
     try:
+        hits = hits if time.monotonic() < over else 300
         asdic.model("sound-speed", t_degc=10, s_ppt=35, z_m=10)
     except KeyboardInterrupt:
         pass
@@ -731,7 +773,8 @@ while hits < 300 and time.monotonic() < over:
             left += any(thread.name == "asdic" for thread in threading.enumerate())
         except KeyboardInterrupt:
             pass
-signal.signal(signal.SIGINT, signal.SIG_IGN)
+for one in signal.SIGINT, signal.SIGTERM:
+    signal.signal(one, signal.SIG_IGN)
 print("left", left, flush=True)
 os._exit(0)
 """
@@ -759,6 +802,16 @@ def test_what_nobody_wants_goes_at_once():
             tap.equal(parts["surface"].shape, parts["bottom"].shape, "levels keep their ping")
             del parts
             tap.equal(gone(), None, "a ping whose parts were looked at")
+
+        def stop(*_):
+            raise OverflowError
+        context = asdic._library.Context(stop)  # pylint: disable=protected-access
+        gone = weakref.ref(context)
+        try:
+            context.run(lambda: context._done.append(("beams", 0, 1)) or time.sleep(0.2) or 0)  # pylint: disable=protected-access
+        except OverflowError:
+            del context
+        tap.equal(gone(), None, "what a call that was stopped has used")
         run = asdic.simulate(pool())
         folder = run.folder
         tap.equal(run.parts["bottom"].ndim, 3)
@@ -779,6 +832,17 @@ def test_ctrl_c():
                               timeout=100)
         tap.equal((done.returncode, done.stdout.split()), (0, ["interrupted", "True", "2"]), done.stderr)
         tap.equal(time.monotonic() - began < 90, True, "at once")
+
+
+def test_what_is_raised_waits_for_the_end():
+    """By the handler of any signal, twice, and by another thread: the call is over then, and the folder can be used."""
+    need_device()
+    path = os.environ["PYTHONPATH"] + os.pathsep + os.path.dirname(__file__)
+    for how, name in ("alarm", "TimeUp"), ("term", "SystemExit"), ("thread", "TimeUp"):
+        with tempfile.TemporaryDirectory(prefix="asdic-test-") as folder:
+            done = subprocess.run([sys.executable, "-c", RAISED, how, folder], env={**os.environ, "PYTHONPATH": path},
+                                  capture_output=True, text=True, check=False, timeout=100)
+            tap.equal((done.returncode, done.stdout.split()), (0, [name, "[]", "True", "2"]), f"{how}: {done.stderr}")
 
 
 def test_ping_leaves_the_interpreter_to_others():

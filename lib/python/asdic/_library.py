@@ -197,35 +197,80 @@ def warn(message: str) -> None:
     warnings.warn(message, Remark, stacklevel=depth)
 
 
-class _CtrlC:
-    """Keeps what handlers of Ctrl-C raise until the end: raised anywhere, it would leave a call on its own."""
+class _Call:
+    """A call of the library in a thread, so that this one hears of signals and reports progress.
 
-    def __init__(self, interrupt: Callable[[], None]) -> None:
-        self._interrupt = interrupt
-        self._handler: Any = None
-        self.raised: BaseException | None = None
+    Left on its own it would work on memory that is freed. So what is raised here meanwhile, by handlers of signals, by
+    what reports, by another thread (PyThreadState_SetAsyncExc), interrupts it, and is raised again when it is over.
+    """
 
-    def keep(self, error: BaseException) -> None:
-        """ERROR ends the call, and goes on from there."""
-        self.raised = self.raised or error
-        self._interrupt()
+    def __init__(self, function: Callable[..., int], args: tuple[Any, ...], interrupt: Callable[[], Any]) -> None:
+        self._function, self._args, self._interrupt = function, args, interrupt
+        self._turn, self._end, self._is_over = threading.Lock(), threading.Lock(), False
+        self._handlers: dict[int, Any] = {}
+        self._raised: BaseException | None = None
+        self._is_told, self._status = False, 0
+        self._end.acquire()  # pylint: disable=consider-using-with # the call releases it
 
-    def _note(self, *args: Any) -> None:
+    def _work(self) -> None:
+        if not self._turn.acquire(blocking=False):
+            return
         try:
-            self._handler(*args)
-        except BaseException as error:  # pylint: disable=broad-except # raised again at the end
-            self.keep(error)
+            self._status = self._function(*self._args)
+        except BaseException as error:  # pylint: disable=broad-except # an argument of a wrong type
+            self._raised = self._raised or error
+        finally:
+            self._is_over = True
+            self._end.release()
 
-    def __enter__(self) -> _CtrlC:
-        handler: Any = signal.getsignal(signal.SIGINT)
-        if callable(handler) and threading.current_thread() is threading.main_thread():
-            self._handler = handler
-            signal.signal(signal.SIGINT, self._note)
-        return self
+    def _note(self, number: int, frame: Any) -> None:
+        try:
+            self._handlers[number](number, frame)
+        except BaseException as error:  # pylint: disable=broad-except
+            if self._is_told:
+                raise
+            self._raised = self._raised or error
 
-    def __exit__(self, *_: Any) -> None:
-        if self._handler:
-            signal.signal(signal.SIGINT, self._handler)
+    def _begin(self) -> None:
+        if threading.current_thread() is threading.main_thread():
+            for number in signal.valid_signals():
+                handler = signal.getsignal(number)
+                if callable(handler):
+                    self._handlers[number] = handler
+                    signal.signal(number, self._note)
+        threading.Thread(target=self._work, name="asdic").start()
+
+    def _attend(self, report: Callable[[], None]) -> None:
+        if self._raised is None:
+            self._begin()
+        while not self._is_over:
+            if self._raised is None:
+                if not self._end.acquire(timeout=0.1):
+                    report()
+            elif self._turn.acquire(blocking=False):
+                self._is_over = True  # it has not begun, and never will
+            else:
+                self._interrupt()
+                self._end.acquire()
+
+    def result(self, report: Callable[[], None]) -> int:
+        """Its status, once it is over; REPORT is called now and then."""
+        while not self._is_over:
+            try:
+                self._attend(report)
+            except BaseException as error:  # pylint: disable=broad-except # no call in here, which could raise another
+                self._raised = self._raised or error
+        self._is_told = True
+        for number, handler in self._handlers.items():
+            if signal.getsignal(number) == self._note:
+                signal.signal(number, handler)
+        raised, self._raised = self._raised, None
+        try:
+            if raised is not None:
+                raise raised
+        finally:
+            del raised  # a circle: its traceback has this frame
+        return self._status
 
 
 _OPTION = re.compile(r"(?<!'asdic run' with )--(force|resume)\b")
@@ -286,32 +331,15 @@ class Context:
             self.check(function(*args))
 
     def run(self, function: Callable[..., int], *args: Any) -> None:
-        """FUNCTION(*ARGS) in a thread, so that this one hears of Ctrl-C and reports progress.
+        """FUNCTION(*ARGS) in a thread, so that this one hears of signals and reports progress.
 
-        What stops the waiting interrupts the call: it ends at its next ping, beam or picture, and the
+        What is raised here meanwhile interrupts the call: it ends at its next ping, beam or picture, and the
         exception goes on from here. A driver that compiles cannot be interrupted and is waited for.
         """
-        status: list[int] = []
-        over = threading.Event()
-
-        def work() -> None:
-            try:
-                status.append(function(*args))
-            finally:
-                over.set()
-
         with self.lock:
-            with _CtrlC(lambda: lib.asdic_context_interrupt(self.pointer)) as held:
-                threading.Thread(target=work, name="asdic").start()
-                while not over.wait(0.1):
-                    try:
-                        self._report()
-                    except BaseException as error:  # pylint: disable=broad-except # raised again below
-                        held.keep(error)
-            if held.raised:
-                raise held.raised
+            status = _Call(function, args, lambda: lib.asdic_context_interrupt(self.pointer)).result(self._report)
             self._report()  # a short call may be over before the first look
-            self.check(status[0])
+            self.check(status)
             self._finish()
 
     def _report(self) -> None:
