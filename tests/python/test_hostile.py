@@ -466,6 +466,44 @@ def test_fork():
     tap.equal(sonar.ping(0, 0, 5).index, 1, "the parent works on")
 
 
+FORKED = """
+import os, sys
+import asdic
+from package import pool
+{use}
+if os.fork() == 0:
+    try:
+        {then}
+        print("did", flush=True)
+    except asdic.DeviceError as error:
+        print("spawn" in str(error), flush=True)
+    os._exit(0)
+sys.exit(os.wait()[1])
+"""
+
+
+def test_fork_after_whatever_uses_opencl():
+    """The child says so, in place of waiting for threads that it has not; after what does not use it, it works."""
+    need_device()
+    with tempfile.TemporaryDirectory(prefix="asdic-test-") as folder:
+        flat, hills = (os.path.join(folder, name) for name in ("flat", "hills"))
+        asdic.simulate(pool(), flat)
+        hilly = pool()
+        hilly.set_terrain([-50, 0, 50], [-50, 0, 50], [[12, 12, 12], [12, 11, 12], [12, 12, 12]])
+        asdic.simulate(hilly, hills)
+        simulate = "asdic.simulate(pool())"
+        for use, then, said in (
+                ("asdic.devices()", simulate, "True"), ("asdic.devices()", "asdic.devices()", "True"),
+                (f"asdic.detect({flat!r})", simulate, "did"), (f"asdic.detect({hills!r}, background='cfar')", simulate, "did"),
+                ("", f"asdic.detect({hills!r}, force=True)", "did"), (simulate, f"asdic.detect({hills!r}, force=True)", "True"),
+                (simulate, f"asdic.detect({hills!r}, background='flat', force=True)", "did"),
+                (f"asdic.detect({hills!r}, force=True)", simulate, "True")):
+            done = subprocess.run([sys.executable, "-c", FORKED.format(use=use, then=then)], capture_output=True, text=True,
+                                  check=False, timeout=60, env={**os.environ, "PYTHONPATH": os.environ["PYTHONPATH"] + os.pathsep +
+                                                                os.path.dirname(__file__)})
+            tap.equal((done.returncode, done.stdout.split()), (0, [said]), f"{use}; {then}: {done.stderr}")
+
+
 def test_what_other_processes_take():
     """Scenes, with their meshes, and runs; of the rest one sentence says that it is of this process."""
     need_device()

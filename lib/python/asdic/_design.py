@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ._library import (ArgumentError, Context, Fields, Handle, Progress, dtype_of, encoded, fail, ffi, fields, lib, number,
-                       open_devices, text, value_of, view, whole)
+                       open_devices, text, use_opencl, value_of, view, whole)
 from ._scene import SceneLike, choose_sampling, load_mission, remarks
 
 
@@ -140,9 +140,9 @@ def devices() -> list[Fields]:
     """The OpenCL devices, as asdic_device_info; `platform` and `device` are the P:D of a selector."""
     context = Context()
     found, count = ffi.new("asdic_device_info **"), ffi.new("size_t *")
-    lib.asdic_kernel_cache_prepare(context.pointer)
-    context.run(lib.asdic_device_list, context.pointer, found, count)
+    use_opencl(context)
     try:
+        context.run(lib.asdic_device_list, context.pointer, found, count)
         return [fields(found[0][index]) for index in range(count[0])]
     finally:
         lib.asdic_device_info_free(found)

@@ -385,6 +385,24 @@ atexit.register(_end)
 _OPENCL: list[int] = []  # the process that has used OpenCL
 
 
+def prepare_opencl(context: Context) -> None:
+    """Before what may use OpenCL, which hangs where a parent's use has left it without threads."""
+    if _OPENCL and _OPENCL[0] != _Process.number:
+        raise fail(DeviceError, "OpenCL was used before this process was forked, and its threads are gone; "
+                   "start processes by multiprocessing's 'spawn'")
+    lib.asdic_kernel_cache_prepare(context.pointer)
+
+
+def note_opencl() -> None:
+    """That it was used, or will be at once."""
+    _OPENCL[:] = [_Process.number]
+
+
+def use_opencl(context: Context) -> None:
+    prepare_opencl(context)
+    note_opencl()
+
+
 class Devices(Handle):
     """Opened devices."""
 
@@ -394,15 +412,18 @@ class Devices(Handle):
 
 def open_devices(context: Context, selector: str | None) -> Devices:
     """The devices of a selector ("auto", "cpu", "0:0", ...); pointer[0] is the first."""
-    if _OPENCL and _OPENCL[0] != _Process.number:
-        raise fail(DeviceError, "OpenCL was used before this process was forked, and its threads are gone; "
-                   "start processes by multiprocessing's 'spawn'")
-    _OPENCL[:] = [_Process.number]
+    use_opencl(context)
     place, count = ffi.new("asdic_device ***"), ffi.new("size_t *")
-    lib.asdic_kernel_cache_prepare(context.pointer)
-    context.run(lib.asdic_devices_open, context.pointer, encoded(selector, "device") if selector else ffi.NULL,
-                place, count)
-    devices = Devices("device", place, lambda opened: lib.asdic_devices_close(opened, count[0]), context.handle)
+    chosen = encoded(selector, "device") if selector is not None else ffi.NULL
+
+    def close(opened: Any) -> None:
+        lib.asdic_devices_close(opened, count[0])
+    try:
+        context.run(lib.asdic_devices_open, context.pointer, chosen, place, count)
+    except BaseException:
+        close(place)  # as in Context.make
+        raise
+    devices = Devices("device", place, close, context.handle)
     devices.count = int(count[0])
     return devices
 

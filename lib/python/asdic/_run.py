@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING, Any, Iterator, Sequence, Union
 import numpy as np
 
 from ._library import (ArgumentError, Context, ExistsError, Fields, FileError, Handle, InputError, Progress, counted,
-                       encoded, fail, ffi, fields, lib, number, open_devices, table, value_of, warn, whole)
+                       encoded, fail, ffi, fields, lib, note_opencl, number, open_devices, prepare_opencl, table, value_of,
+                       warn, whole)
 from ._ping import PARTS, Levels, Ping, beams_of, expected
 from ._scene import Scene, SceneLike, choose_sampling, load_mission, remarks
 
@@ -447,8 +448,17 @@ def detect(run: Run | Folder, *, pfa: float | None = None, target: str | None = 
     selector = ffi.new("char[]", encoded(device, "device")) if device is not None else ffi.NULL
     options.device, options.force = selector, bool(force)
     options.progress, options.user = lib.asdic_python_run_progress, context.progress_user
-    report = context.make("asdic_detect_report", lib.asdic_detect_report_destroy, lib.asdic_run_detect, context.pointer,
-                          encoded(run.folder, "folder"), options, keeps=(detector, selector))
+    is_coherent = run._info().sampling.coherent  # pylint: disable=protected-access # what is in its bins is simulated
+    is_simulated = is_coherent or not options.has_cfar and background != "flat"  # perhaps
+    if is_simulated:
+        prepare_opencl(context)
+    try:
+        report = context.make("asdic_detect_report", lib.asdic_detect_report_destroy, lib.asdic_run_detect, context.pointer,
+                              encoded(run.folder, "folder"), options, keeps=(detector, selector))
+        is_simulated = is_coherent or report.pointer.background == lib.ASDIC_BACKGROUND_SIMULATED
+    finally:
+        if is_simulated:
+            note_opencl()
     return Detections(run, report)
 
 
