@@ -54,6 +54,9 @@ def test_arrays_that_are_no_mesh():
         raises(kind, part, scene.set_terrain, north, [0, 1], depth)
     tap.equal(scene.bottom, None, "no bottom")
     raises(asdic.ArgumentError, "depth_m has the shape (2, 3)", scene.set_terrain, [0, 1, 2], [0, 1], np.zeros((2, 3)))
+    for hole in np.nan, np.inf:
+        raises(asdic.ArgumentError, f"north_m is {hole} in places; only depth_m has holes", scene.set_terrain, [0, hole, 2],
+               [0, 1], np.zeros((3, 2)))
     raises(asdic.ArgumentError, "east_m goes to and fro", scene.set_terrain, [1, 0], [0, 2, 1], np.zeros((2, 3)))
     raises(asdic.ArgumentError, "depth_m is -20 to -15 m, above the sea surface; depths are positive down",
            scene.set_terrain, [0, 1], [0, 1], [[-20, -15], [-20, np.nan]])
@@ -137,6 +140,14 @@ def test_words_and_numbers():
     raises(TypeError, "rays = 1000.0 is not an integer", asdic.simulate, scene, rays=1000.0)
     raises(asdic.ArgumentError, "sampler = 'best' is none of adaptive, beam, uniform-sphere", asdic.simulate, scene,
            sampler="best")
+    raises(TypeError, "sampler = ['beam'] is no text; it must be one of adaptive, beam, uniform-sphere", asdic.simulate, scene,
+           sampler=["beam"])
+    for device in 0, False, 1:
+        raises(TypeError, f"device is a {type(device).__name__}; it must be text", asdic.simulate, scene, device=device)
+        raises(TypeError, "it must be text", asdic.Simulator, scene, device=device)
+    for add in scene.add_mesh, scene.set_bottom:
+        raises(TypeError, "material = 3 is neither a word, as 'steel', nor the keys of a scene file's material", add, CORNERS,
+               FACET, material=3)
     raises(asdic.ArgumentError, "is no row of pings", asdic.simulate, scene, pings=slice(0, 3, 2))
     raises(asdic.ArgumentError, "among the 3 there are", asdic.simulate, scene, pings=range(2, 9))
     raises(TypeError, "pings is a int", asdic.simulate, scene, pings=2)

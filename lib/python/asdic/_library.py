@@ -549,6 +549,8 @@ def words(kind: str) -> dict[str, int]:
 def value_of(kind: str, word: str, what: str) -> int:
     """The value of WORD in the enum KIND."""
     known = words(kind)
+    if not isinstance(word, str):
+        raise TypeError(f"{what} = {word!r} is no text; it must be one of {', '.join(known)}")
     if word not in known:
         raise fail(ArgumentError, f"{what} = {word!r} is none of {', '.join(known)}")
     return known[word]

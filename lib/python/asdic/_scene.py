@@ -20,6 +20,8 @@ FILES = ("file", "grid", "mesh", "track", "curve", "sound_speed_profile")
 
 def _material(material: str | Keys) -> Any:
     """A word, or the keys of a scene file's material."""
+    if not isinstance(material, (str, Mapping)):
+        raise TypeError(f"material = {material!r} is neither a word, as 'steel', nor the keys of a scene file's material")
     return material if isinstance(material, str) else dict(material)
 
 
@@ -193,6 +195,8 @@ class Scene:
             raise fail(ArgumentError, f"depth_m has the shape {depth.shape}; of {north.size} north_m and {east.size} "
                        f"east_m it must be ({north.size}, {east.size}), at least (2, 2)")
         for name, along in (("north_m", north), ("east_m", east)):
+            if not np.isfinite(along).all():
+                raise fail(ArgumentError, f"{name} is {along[~np.isfinite(along)][0]} in places; only depth_m has holes")
             steps = np.diff(along)
             if not (np.all(steps >= 0) or np.all(steps <= 0)):  # a sheet that is folded over itself
                 raise fail(ArgumentError, f"{name} goes to and fro; a grid's lines ascend or descend")
@@ -215,7 +219,8 @@ class Scene:
 
     def set_bottom(self, vertices: ArrayLike, triangles: ArrayLike, material: str | Keys = "sand") -> None:
         """A bottom of triangles, as of add_mesh."""
-        law = {"type": material} if isinstance(material, str) else dict(material)
+        law = _material(material)
+        law = {"type": law} if isinstance(law, str) else law
         self.bottom = {"mesh": {"file": _Mesh(vertices, triangles), "z_up": False}, **law}
 
     @property
