@@ -302,6 +302,41 @@ def test_a_failed_call_changes_nothing():
         tap.equal(set(asdic.detect(fresh).classes["name"]) >= {"ball", "facet"}, True, "objects keep their names")
 
 
+def test_damaged_runs():
+    """Each file's bytes are checked when it is first looked at: one error, as the program's, and no number of a bad ping."""
+    need_device()
+    array = {"frequency_khz": 100, "ping_rate_hz": 20, "source_level_db": 200, "bin_length_m": 1,
+             "array": {"elements": 8, "beams": {"count": 3, "sector_deg": 30}}}
+    output = {"csv": "none", "images": [], "records": "compact"}
+    coherent = pool(sonar=array, sampling={"rays": 64, "coherent": True}, output={**output, "elements": True})
+    levels = lambda run: run.level_db, lambda run: run.parts["noise"], lambda run: run.times, lambda run: run.records
+    with tempfile.TemporaryDirectory(prefix="asdic-test-") as folder:
+        for scene, name, looks in ((pool(output={**output, "truth": True}), "pings.npy", levels),
+                                   (pool(output={**output, "truth": True}), "truth.npy", [lambda run: run.truth]),
+                                   (coherent, "elements.npy", [lambda run: run.pressure])):
+            first = asdic.simulate(scene, folder, pings=slice(1, 3), force=True)
+            tap.equal([len(look(first)) for look in looks], [2] * len(looks), "a whole run")
+            path = os.path.join(folder, name)
+            size, says = os.path.getsize(path), "damaged: ping 2 is not as it was written"
+            for at in 100, 3:  # among numbers, and in the sum
+                flip(path, size - at)
+                run = asdic.Run(folder)
+                tap.equal((len(run), ": 2 pings" in repr(run), run.info["seed"]), (2, True, first.info["seed"]), "it opens")
+                for look in [*looks, *looks]:
+                    raises(asdic.InputError, f"'{path}' is {'missing or damaged' if name == 'elements.npy' else says}; "
+                           "'asdic run' with --resume mends the run", look, run)
+                flip(path, size - at)
+            tap.equal(len(looks[0](asdic.Run(folder))), 2, "whole again")
+
+
+def flip(path, at):
+    with open(path, "r+b") as file:
+        file.seek(at)
+        byte = file.read(1)[0]
+        file.seek(at)
+        file.write(bytes([byte ^ 16]))
+
+
 def test_a_run_that_was_replaced():
     """Says so: its levels are those of its file, which is gone, and the rest would be the new run's."""
     need_device()
@@ -509,9 +544,9 @@ def test_fork_after_whatever_uses_opencl():
                 ("", f"asdic.detect({hills!r}, force=True)", "did"), (simulate, f"asdic.detect({hills!r}, force=True)", "True"),
                 (simulate, f"asdic.detect({hills!r}, background='flat', force=True)", "did"),
                 (f"asdic.detect({hills!r}, force=True)", simulate, "True")):
+            path = os.environ["PYTHONPATH"] + os.pathsep + os.path.dirname(__file__)
             done = subprocess.run([sys.executable, "-c", FORKED.format(use=use, then=then)], capture_output=True, text=True,
-                                  check=False, timeout=60, env={**os.environ, "PYTHONPATH": os.environ["PYTHONPATH"] + os.pathsep +
-                                                                os.path.dirname(__file__)})
+                                  check=False, timeout=60, env={**os.environ, "PYTHONPATH": path})
             tap.equal((done.returncode, done.stdout.split()), (0, [said]), f"{use}; {then}: {done.stderr}")
 
 

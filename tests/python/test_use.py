@@ -142,6 +142,13 @@ def test_scanned_head_turns():
     for k, ping in enumerate(asdic.Simulator(scene).fly()):
         same(ping.level_db, run.level_db[k], f"ping {k}")
         tap.equal(abs(ping.pose.yaw_rad - run.attitudes[k, 2]) < 1e-12, True, f"the head at ping {k}")
+    try:
+        data = run.to_xarray()
+    except ImportError:
+        return
+    looks = (data.bearing + np.degrees(data.yaw)).isel(beam=0) % 360
+    tap.equal(sorted(np.round(looks.values).tolist()), [0, 90, 180, 270], "where the beam looks at each ping")
+    tap.equal(data.bearing.attrs["long_name"], "to starboard of yaw, of a scanned sonar its head's", "what a bearing is of")
 
 
 def box(size):
@@ -733,7 +740,8 @@ def hit(thread):
         time.sleep(0.13)
 def call():
     told = []
-    for wait in lambda: asdic.simulate(long, folder, progress=lambda what, done, _: done > 0 and begun.set()), lambda: time.sleep(0.3):
+    for wait in (lambda: asdic.simulate(long, folder, progress=lambda what, done, _: done > 0 and begun.set()),
+                 lambda: time.sleep(0.3)):
         try:
             wait()
         except (TimeUp, SystemExit) as error:

@@ -203,7 +203,7 @@ class Ping:
 
     @property
     def bearings(self) -> np.ndarray:
-        """Where the beams look, degrees to starboard of the bow."""
+        """Where the beams look, degrees to starboard of the bow; of a scanned sonar of the head, which `pose` turns."""
         return np.degrees(self.beams["yaw_rad"])
 
     @property
@@ -291,7 +291,7 @@ class Simulator:
 
     @property
     def bearings(self) -> np.ndarray:
-        """Where the beams look, degrees to starboard of the bow."""
+        """Where the beams look, degrees to starboard of the bow; of a scanned sonar of its head."""
         return np.degrees(self.beams["yaw_rad"])
 
     def _time_of(self, index: int) -> float:

@@ -9,6 +9,7 @@ import math
 import os
 import shutil
 import tempfile
+import zlib
 from typing import TYPE_CHECKING, Any, Iterator, Sequence, Union
 
 import numpy as np
@@ -113,6 +114,27 @@ def _again(context: Context, mission: Handle, path: str) -> Handle:
     return found
 
 
+_MENDS = "'asdic run' with --resume mends the run"
+
+
+def _check(path: str, records: np.ndarray, first: int) -> None:
+    """Whether RECORDS, of the pings from FIRST on, are as they were written: each ends in the CRC-32 of its other bytes."""
+    rows = np.asarray(records).view(np.uint8).reshape(len(records), -1)
+    for k, row in enumerate(rows):
+        if zlib.crc32(row[:-4]) != records["crc32"][k] or records["ping"][k] != first + k:
+            raise fail(InputError, f"'{path}' is damaged: ping {first + k} is not as it was written; {_MENDS}")
+
+
+def _check_whole(path: str, files: list[dict[str, Any]]) -> None:
+    """Whether the file at PATH has the sum that FILES of run.json have of it."""
+    said, found = next((one["crc32"] for one in files if one["name"] == os.path.basename(path)), None), 0
+    with open(path, "rb") as file:
+        while some := file.read(1 << 20):
+            found = zlib.crc32(some, found)
+    if said != f"{found:08x}":
+        raise fail(InputError, f"'{path}' is missing or damaged; {_MENDS}")
+
+
 def _temporary() -> Handle:
     """A folder, the handle's pointer, that goes with it."""
     try:
@@ -160,7 +182,8 @@ def simulate(scene: SceneLike, folder: Folder | None = None, *, device: str | No
 
 
 class Run:
-    """A run folder as arrays, read from its file when they are looked at; nothing is copied.
+    """A run folder as arrays, read from its files when they are looked at; nothing is copied. A file's sums are checked
+    when it is first looked at.
 
     Arrays are [ping, beam, bin]: level_db, stderr_db and parts["bottom"], dB re 1 uPa, NAN without energy.
     """
@@ -175,11 +198,10 @@ class Run:
         info = self._info()
         path = os.path.join(self.folder, "pings.npy")
         try:
-            records = np.load(path, mmap_mode="r")[:info.pings]
+            self._records = np.load(path, mmap_mode="r")[:info.pings]
         except (OSError, ValueError) as error:
             raise fail(InputError, f"{path}: {error}") from error
-        self.records: np.ndarray = records
-        """Everything, a structured array of a record a ping, as in pings.npy."""
+        self._first = int(info.first_ping)
         self.beams = beams_of(info.sonar)
 
     def __reduce__(self) -> Any:
@@ -205,6 +227,12 @@ class Run:
             raise fail(InputError, f"'{self.folder}' was written anew since this run was opened; open it again by asdic.Run")
 
     @functools.cached_property
+    def records(self) -> np.ndarray:
+        """Everything, a structured array of a record a ping, as in pings.npy."""
+        _check(os.path.join(self.folder, "pings.npy"), self._records, self._first)
+        return self._records
+
+    @functools.cached_property
     def info(self) -> dict[str, Any]:
         """run.json: version, scene, devices, times, errors, remarks."""
         return dict(json.loads(self._described))
@@ -220,7 +248,7 @@ class Run:
         return fields(self._info().environment)
 
     def _column(self, name: str) -> np.ndarray:
-        if name not in (self.records.dtype.names or ()):
+        if name not in (self._records.dtype.names or ()):
             raise KeyError(f"{name} is not among the records of {self.folder}")
         return np.asarray(self.records[name])
 
@@ -241,7 +269,7 @@ class Run:
     @property
     def parts(self) -> Levels:
         """Levels of the mechanisms, dB re 1 uPa: parts["bottom"]. In float16 where the run is compact."""
-        names = tuple(name for name in PARTS if f"{name}_db" in (self.records.dtype.names or ()))
+        names = tuple(name for name in PARTS if f"{name}_db" in (self._records.dtype.names or ()))
         return Levels(names, lambda name: self._column(f"{name}_db"), self._made)
 
     @functools.cached_property
@@ -265,6 +293,10 @@ class Run:
             raise fail(InputError, f"{path} is not there; the scene asks for it by output: {{{key}: true}}{why}") from error
         except (OSError, ValueError) as error:
             raise fail(InputError, f"{path}: {error}") from error
+        if array.dtype.names:
+            _check(path, array, self._first)
+        else:
+            _check_whole(path, self.info["files"])
         return array
 
     @property
@@ -284,7 +316,7 @@ class Run:
 
     @property
     def attitudes(self) -> np.ndarray:
-        """How the sonar was turned, [ping, (roll, pitch, yaw)], rad."""
+        """How the sonar was turned, a scanned one's head, [ping, (roll, pitch, yaw)], rad."""
         return self._column("attitude_rad")
 
     @property
@@ -295,11 +327,11 @@ class Run:
     @property
     def ranges(self) -> np.ndarray:
         """Centres of the bins, m."""
-        return (np.arange(self.records.dtype["level_db"].shape[1]) + 0.5) * self.sonar.bin_length_m
+        return (np.arange(self._records.dtype["level_db"].shape[1]) + 0.5) * self.sonar.bin_length_m
 
     @property
     def bearings(self) -> np.ndarray:
-        """Where the beams look, degrees to starboard of the bow."""
+        """Where the beams look, degrees to starboard of the bow; of a scanned sonar of the head, which attitudes turn."""
         return np.degrees(self.beams["yaw_rad"])
 
     @property
@@ -308,10 +340,10 @@ class Run:
         return list(self.beams["name"].tolist())
 
     def __len__(self) -> int:
-        return len(self.records)
+        return len(self._records)
 
     def __repr__(self) -> str:
-        beams, bins = self.records.dtype["level_db"].shape
+        beams, bins = self._records.dtype["level_db"].shape
         return f"<asdic.Run {self.folder}: {counted(len(self), 'ping')}, {counted(beams, 'beam')}, {counted(bins, 'bin')}>"
 
     def expect(self, ping: int = 0, *, progress: Progress | bool = None) -> Ping:
@@ -343,7 +375,7 @@ class Run:
         coords: dict[str, Any] = {
             "ping": ("ping", self.pings), "beam": ("beam", self.names), "range": ("range", self.ranges, metres),
             "time": ("ping", self.times, {"units": "s"}),
-            "bearing": ("beam", self.bearings, {"units": "degree", "long_name": "to starboard of the bow"}),
+            "bearing": ("beam", self.bearings, {"units": "degree", "long_name": "to starboard of yaw, of a scanned sonar its head's"}),
             "altitude": ("ping", self.altitudes, metres)}
         for k, name in enumerate(("north", "east", "down")):
             coords[name] = ("ping", self.positions[:, k], metres)
