@@ -57,19 +57,47 @@ bool asdic_file_is_being_written(const char *path) {
     return is_locked;
 }
 
-int asdic_file_open_new(const char *path, int flags) {
-    if (asdic_file_is_being_written(path)) {
-        errno = EBUSY;
-        return -1;
+/* Whether the file that FD has open still bears the name PATH. */
+static bool is_named(int fd, const char *path) {
+    struct stat opened, named;
+    return fstat(fd, &opened) == 0 && lstat(path, &named) == 0 && opened.st_dev == named.st_dev &&
+           opened.st_ino == named.st_ino;
+}
+
+/* Removes what bears the name PATH, a file only while it is locked: nobody writes it, nor puts another in its place
+ * meanwhile. False with errno where that cannot be. */
+static bool remove_left(const char *path) {
+    struct stat st;
+    int fd = -1;
+    if (lstat(path, &st) != 0 ||
+        (S_ISREG(st.st_mode) &&
+         (fd = open(path, O_WRONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK)) < 0 &&
+         errno == ENOENT)) {
+        return errno == ENOENT; /* it is gone: what comes in its place is another's */
     }
-    if (unlink(path) != 0 && errno != ENOENT) {
-        return -1;
-    }
-    int fd = open(path, flags | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0666);
+    bool is_busy = fd >= 0 ? flock(fd, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK
+                           : asdic_file_is_being_written(path);
+    bool is_other = fd >= 0 && !is_named(fd, path); /* another process was quicker */
+    bool is_removed = !is_busy && (is_other || unlink(path) == 0 || errno == ENOENT);
+    int error = is_busy ? EBUSY : errno;
     if (fd >= 0) {
-        flock(fd, LOCK_EX | LOCK_NB); /* where the file system has locks; gone when closed */
-    } else if (errno == EEXIST) {
-        errno = EBUSY; /* another process was quicker */
+        close(fd);
+    }
+    errno = error;
+    return is_removed;
+}
+
+int asdic_file_open_new(const char *path, int flags) {
+    int fd = -1;
+    do {
+        fd = open(path, flags | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0666);
+    } while (fd < 0 && errno == EEXIST && remove_left(path));
+    /* Where the file system has locks; gone when closed. Another process may have taken it for left before. */
+    if (fd >= 0 &&
+        ((flock(fd, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) || !is_named(fd, path))) {
+        close(fd);
+        errno = EBUSY;
+        fd = -1;
     }
     return fd;
 }
@@ -159,13 +187,6 @@ static int earlier_error(const asdic_file *file) {
     return is_harmless && write(fd, "", 1) < 0 ? errno : EIO;
 }
 
-/* Whether the .part file is still the one that was opened. */
-static bool is_own(const asdic_file *file) {
-    struct stat opened, named;
-    return fstat(fileno(file->stream), &opened) == 0 && lstat(file->part, &named) == 0 &&
-           opened.st_dev == named.st_dev && opened.st_ino == named.st_ino;
-}
-
 /* The first error of the stream, then of the disk: a full disk may show only at the flush. The file
  * gets its name while it is locked: nobody else writes the .part file meanwhile. */
 static int file_close(asdic_file *file) {
@@ -178,7 +199,7 @@ static int file_close(asdic_file *file) {
     if (!error && file->part && !file->soon && fsync(fileno(file->stream)) != 0) {
         error = errno;
     }
-    if (!error && file->part && !is_own(file)) {
+    if (!error && file->part && !is_named(fileno(file->stream), file->part)) {
         error = EBUSY;
     } else if (file->part && (error || rename(file->part, file->path) != 0)) {
         error = error ? error : errno;
@@ -202,7 +223,7 @@ void asdic_file_discard(asdic_file **file) {
     if (!file || !*file) {
         return;
     }
-    if ((*file)->part && is_own(*file)) {
+    if ((*file)->part && is_named(fileno((*file)->stream), (*file)->part)) {
         unlink((*file)->part);
     }
     fclose((*file)->stream);

@@ -11,10 +11,13 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <pthread.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <sys/statvfs.h>
 #include <unistd.h>
 
@@ -138,6 +141,60 @@ static void a_file_in_writing_is_locked(void **state) {
     unlink(path);
 }
 
+#define WRITERS 4
+
+typedef struct race {
+    pthread_barrier_t begin, end;
+    const char *path;
+    atomic_int winners, wrong;
+} race;
+
+static void *open_at_once(void *user) {
+    race *r = user;
+    pthread_barrier_wait(&r->begin);
+    int fd = asdic_file_open_new(r->path, O_WRONLY);
+    atomic_fetch_add(&r->wrong, fd < 0 && errno != EBUSY);
+    pthread_barrier_wait(&r->end); /* who has it keeps it until all have tried */
+    struct stat opened, named;
+    if (fd >= 0) {
+        bool is_there =
+            fstat(fd, &opened) == 0 && stat(r->path, &named) == 0 && named.st_ino == opened.st_ino;
+        atomic_fetch_add(&r->winners, 1);
+        atomic_fetch_add(&r->wrong, !is_there);
+        close(fd);
+    }
+    return NULL;
+}
+
+/* Of several at once one, whether a writer that is gone has left the file or there is none. */
+static void one_of_many_writers_has_the_file(void **state) {
+    (void)state;
+    char path[] = "/tmp/asdic-callers-XXXXXX";
+    int left = mkstemp(path);
+    assert_true(left >= 0);
+    close(left);
+    for (int round = 0; round < 500; round++) {
+        race r = {.path = path};
+        pthread_t threads[WRITERS];
+        pthread_barrier_init(&r.begin, NULL, WRITERS);
+        pthread_barrier_init(&r.end, NULL, WRITERS);
+        for (size_t i = 0; i < WRITERS; i++) {
+            assert_int_equal(pthread_create(&threads[i], NULL, open_at_once, &r), 0);
+        }
+        for (size_t i = 0; i < WRITERS; i++) {
+            pthread_join(threads[i], NULL);
+        }
+        assert_int_equal(r.winners, 1);
+        assert_int_equal(r.wrong, 0);
+        pthread_barrier_destroy(&r.begin);
+        pthread_barrier_destroy(&r.end);
+        if (round % 2) {
+            unlink(path);
+        }
+    }
+    unlink(path);
+}
+
 /* Swerling III over four looks: 1F1(2; 4; c) = 6 ((c - 2) e^c + c + 2) / c^3, as its power series
  * shows term by term; with snr the target's mean to the background's, w = 1 + 2 snr and
  * c = 4 z (w - 1) / w, the ratio of densities at the intensity z is 1F1 / w^2. */
@@ -226,6 +283,7 @@ int main(void) {
         cmocka_unit_test(a_target_and_its_image_interfere_within_a_cell),
         cmocka_unit_test(room_is_that_of_the_nearest_folder),
         cmocka_unit_test(a_file_in_writing_is_locked),
+        cmocka_unit_test(one_of_many_writers_has_the_file),
         cmocka_unit_test(joins_of_no_parts_or_no_folder_are_refused),
         cmocka_unit_test(frames_beyond_a_set_are_refused),
         cmocka_unit_test(likelihood_of_swerling_3_in_closed_form),
