@@ -459,10 +459,13 @@ def test_two_threads():
 
 LEFT = """
 import atexit, threading
-atexit.register(lambda: print("at the end", energy.max() > 0))
+atexit.register(lambda: print("at the end", energy.max() > 0, ping.altitude, round(abs(ping.pose.yaw_rad), 3)))
 import asdic
 from package import pool
-energy = asdic.Simulator(pool()).ping(0, 0, 5).intensity["total"]
+scanned = pool(sonar={**pool().sonar, "receivers": [{"name": "head"}], "scan": {"sector_deg": 360, "step_deg": 90}})
+scanned.set_terrain([-50, 0, 50], [-50, 0, 50], [[12] * 3] * 3)
+ping = asdic.Simulator(scanned, rays=64).ping(0, 0, 5)
+energy = ping.intensity["total"]
 sonar, began = asdic.Simulator(pool(), rays=200000), threading.Event()
 def work():
     while True:
@@ -474,12 +477,12 @@ began.wait()
 
 
 def test_end_while_a_thread_pings():
-    """The interpreter ends in the middle of a daemon's ping; arrays are there to the very end."""
+    """The interpreter ends in the middle of a daemon's ping; pings are there to the very end."""
     need_device()
     done = subprocess.run([sys.executable, "-c", LEFT], capture_output=True, text=True, check=False, timeout=100,
-                          env={**os.environ, "PYTHONPATH": os.environ["PYTHONPATH"] + os.pathsep +
+                          env={**os.environ, "MALLOC_PERTURB_": "165", "PYTHONPATH": os.environ["PYTHONPATH"] + os.pathsep +
                                os.path.dirname(__file__)})
-    tap.equal((done.returncode, done.stdout), (0, "at the end True\n"), done.stderr)
+    tap.equal((done.returncode, done.stdout), (0, "at the end True 7.0 3.142\n"), done.stderr)
 
 
 def test_fork():

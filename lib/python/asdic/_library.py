@@ -154,7 +154,7 @@ class Handle:
         self._finalizer()
 
     def outlive(self) -> None:
-        """Not destroyed at the interpreter's end: what runs later may still look at arrays of it."""
+        """Not destroyed at the interpreter's end: what runs later may still look at it."""
         self._finalizer.atexit = False
 
 

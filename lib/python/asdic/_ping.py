@@ -69,6 +69,7 @@ class _Mount:
     def __init__(self, mission: Handle) -> None:
         self._mission, self._scene = mission, lib.asdic_mission_scene(mission.pointer)
         self._sweep = ffi.new("asdic_sweep *", lib.asdic_mission_sweep(mission.pointer))
+        mission.outlive()  # pings are asked for pose and altitude to the very end
 
     def set_pose(self, pose: Any, at: tuple[float, ...], index: int) -> None:
         """Where the sonar is and looks, which is where the vehicle does unless a head turns."""
