@@ -77,7 +77,9 @@ def definitions(text, include):
             lines.append(f"static const double {macro.group(1)};")
         elif not line.startswith("#"):
             lines.append(re.sub(r"__attribute__\s*\(\(.*?\)\)\s", "", line))
-    lines.append(CALLBACKS + ";\n".join(STEPS) + ";\nvoid free(void *);")
+    lines.append(CALLBACKS + ";\n".join(STEPS) + ";\nvoid free(void *);"
+                 "struct sigaction { ...; };"
+                 "int sigaction(int, const struct sigaction *, struct sigaction *);")
     return "\n".join(lines)
 
 
@@ -85,7 +87,7 @@ def main():
     out, depfile, include, *compiler = sys.argv[1:]
     builder = cffi.FFI()
     builder.cdef(definitions(preprocessed(compiler, include, out, depfile), include))
-    builder.set_source("asdic._native", "#include <asdic/asdic.h>\n#include <stdlib.h>\n" +
+    builder.set_source("asdic._native", "#include <asdic/asdic.h>\n#include <signal.h>\n#include <stdlib.h>\n" +
                        "\n".join(f"static {head} {body}" for head, body in STEPS.items()))
     builder.emit_c_code(out)
 

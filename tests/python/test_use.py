@@ -1,8 +1,10 @@
 """What users of the Python package do, against what the library and the program give."""
 import csv
+import faulthandler
 import gc
 import json
 import os
+import signal
 import subprocess
 import sys
 import tempfile
@@ -840,6 +842,44 @@ def test_ctrl_c():
                               timeout=100)
         tap.equal((done.returncode, done.stdout.split()), (0, ["interrupted", "True", "2"]), done.stderr)
         tap.equal(time.monotonic() - began < 90, True, "at once")
+
+
+def test_a_call_leaves_handlers_of_signals_alone():
+    """Also of C code, also where what is put back raises at once; and what reports is left at once."""
+    library = asdic._library  # pylint: disable=protected-access
+    context, ours = library.Context(), (signal.SIGALRM, signal.SIGUSR1, signal.SIGUSR2)
+
+    class Up(Exception):
+        pass
+
+    def up(*_):
+        raise Up
+
+    def set_and_hit(number, handler):
+        kept(number, handler)
+        if handler is up:
+            os.kill(os.getpid(), number)
+
+    def stay(*_):
+        os.kill(os.getpid(), signal.SIGALRM)
+        time.sleep(60)
+    before, kept = {number: signal.signal(number, up) for number in ours}, signal.signal
+    try:
+        with tempfile.TemporaryFile() as file:
+            faulthandler.register(signal.SIGUSR2, file)
+            context.run(lambda: 0)
+            os.kill(os.getpid(), signal.SIGUSR2)
+            faulthandler.unregister(signal.SIGUSR2)
+            tap.equal(os.fstat(file.fileno()).st_size > 0, True, "a handler of C is still there")
+        with mock.patch.object(signal, "signal", set_and_hit):
+            raises(Up, "", context.run, lambda: 0)
+        tap.equal([signal.getsignal(number) for number in ours], [up] * 3, "all are the caller's again")
+        slow, began = library.Context(stay), time.monotonic()
+        raises(Up, "", slow.run, lambda: slow._done.append(("beams", 0, 1)) or time.sleep(0.3) or 0)  # pylint: disable=protected-access
+        tap.equal(time.monotonic() - began < 30, True, "what reports is not waited for")
+    finally:
+        for number in ours:
+            signal.signal(number, before[number])
 
 
 def test_what_is_raised_waits_for_the_end():

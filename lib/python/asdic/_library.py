@@ -197,11 +197,23 @@ def warn(message: str) -> None:
     warnings.warn(message, Remark, stacklevel=depth)
 
 
+_SIGNALS = sorted(signal.valid_signals())
+
+
+def _set_handler(number: int, handler: Any) -> None:
+    """Python's alone: what C code or siginterrupt has made of the signal stays."""
+    action = ffi.new("struct sigaction *")
+    lib.sigaction(number, ffi.NULL, action)
+    signal.signal(number, handler)
+    lib.sigaction(number, action, ffi.NULL)
+
+
 class _Call:
     """A call of the library in a thread, so that this one hears of signals and reports progress.
 
     Left on its own it would work on memory that is freed. So what is raised here meanwhile, by handlers of signals, by
     what reports, by another thread (PyThreadState_SetAsyncExc), interrupts it, and is raised again when it is over.
+    What reports may take long, and is left at once.
     """
 
     def __init__(self, function: Callable[..., int], args: tuple[Any, ...], interrupt: Callable[[], Any]) -> None:
@@ -209,7 +221,7 @@ class _Call:
         self._turn, self._end, self._is_over = threading.Lock(), threading.Lock(), False
         self._handlers: dict[int, Any] = {}
         self._raised: BaseException | None = None
-        self._is_told, self._status = False, 0
+        self._is_reporting, self._is_told, self._status = False, False, 0
         self._end.acquire()  # pylint: disable=consider-using-with # the call releases it
 
     def _work(self) -> None:
@@ -227,17 +239,17 @@ class _Call:
         try:
             self._handlers[number](number, frame)
         except BaseException as error:  # pylint: disable=broad-except
-            if self._is_told:
+            if self._is_reporting or self._is_told:
                 raise
             self._raised = self._raised or error
 
     def _begin(self) -> None:
         if threading.current_thread() is threading.main_thread():
-            for number in signal.valid_signals():
+            for number in _SIGNALS:
                 handler = signal.getsignal(number)
                 if callable(handler):
                     self._handlers[number] = handler
-                    signal.signal(number, self._note)
+                    _set_handler(number, self._note)
         threading.Thread(target=self._work, name="asdic").start()
 
     def _attend(self, report: Callable[[], None]) -> None:
@@ -246,24 +258,27 @@ class _Call:
         while not self._is_over:
             if self._raised is None:
                 if not self._end.acquire(timeout=0.1):
+                    self._is_reporting = True
                     report()
+                    self._is_reporting = False
             elif self._turn.acquire(blocking=False):
                 self._is_over = True  # it has not begun, and never will
             else:
                 self._interrupt()
                 self._end.acquire()
+        for number, handler in self._handlers.items():
+            if signal.getsignal(number) == self._note:
+                _set_handler(number, handler)
+        self._is_told = True
 
     def result(self, report: Callable[[], None]) -> int:
         """Its status, once it is over; REPORT is called now and then."""
-        while not self._is_over:
+        while not self._is_told:
             try:
                 self._attend(report)
             except BaseException as error:  # pylint: disable=broad-except # no call in here, which could raise another
+                self._is_reporting = False
                 self._raised = self._raised or error
-        self._is_told = True
-        for number, handler in self._handlers.items():
-            if signal.getsignal(number) == self._note:
-                signal.signal(number, handler)
         raised, self._raised = self._raised, None
         try:
             if raised is not None:
