@@ -400,11 +400,11 @@ atexit.register(_end)
 _OPENCL: list[int] = []  # the process that has used OpenCL
 
 
-def prepare_opencl(context: Context) -> None:
-    """Before what may use OpenCL, which hangs where a parent's use has left it without threads."""
+def prepare_opencl(context: Context, instead: str = "") -> None:
+    """Before what may use OpenCL, which hangs where a parent's use has left it without threads; INSTEAD goes without."""
     if _OPENCL and _OPENCL[0] != _Process.number:
         raise fail(DeviceError, "OpenCL was used before this process was forked, and its threads are gone; "
-                   "start processes by multiprocessing's 'spawn'")
+                   f"start processes by multiprocessing's 'spawn'{instead}")
     lib.asdic_kernel_cache_prepare(context.pointer)
 
 

@@ -483,7 +483,7 @@ def detect(run: Run | Folder, *, pfa: float | None = None, target: str | None = 
     is_coherent = run._info().sampling.coherent  # pylint: disable=protected-access # what is in its bins is simulated
     is_simulated = is_coherent or not options.has_cfar and background != "flat"  # perhaps
     if is_simulated:
-        prepare_opencl(context)
+        prepare_opencl(context, "" if is_coherent else ", or detect with background='flat' or 'cfar'")
     try:
         report = context.make("asdic_detect_report", lib.asdic_detect_report_destroy, lib.asdic_run_detect, context.pointer,
                               encoded(run.folder, "folder"), options, keeps=(detector, selector))
