@@ -589,6 +589,10 @@ def test_what_a_stopped_run_lacks():
         tap.equal((len(run.truth), len(run.level_db)), (len(run), len(run)))
         raises(asdic.InputError, "true}, and it comes with the last ping, before which this run was stopped",
                lambda: run.pressure)
+        long = pool(sampling={"rays": 1 << 26}, output={"truth": True})
+        raises(ZeroDivisionError, "", asdic.simulate, long, folder, progress=lambda *_: 1 // 0, force=True)
+        run = asdic.Run(folder)
+        tap.equal((len(run), len(run.truth), len(run.level_db)), (0, 0, 0), "stopped before the first ping")
         whole = asdic.simulate(scene, folder, pings=range(2), force=True)
         error = raises(asdic.InputError, "elements.npy is not there", lambda: whole.pressure)
         tap.equal("stopped" in str(error), False, error)
