@@ -56,8 +56,8 @@ ASDIC_API asdic_status asdic_mission_load_run(asdic_context *ctx, const char *pa
                                               const asdic_setting *settings, size_t count,
                                               const asdic_draw *draw, asdic_mission **out);
 
-/* Reports what is wrong with the files that choices of MISSION's draws name, each opened once and none
- * kept, as asdic_mission_load does of those that the scene itself names. */
+/* Reports what is wrong with the files that choices of MISSION's draws name, each opened once and
+ * none kept, as asdic_mission_load does of those that the scene itself names. */
 ASDIC_API asdic_status asdic_mission_check_draws(asdic_context *ctx, const asdic_mission *mission);
 
 /* A mesh in memory, by the name that a scene gives in place of a file's. World axes, metres: the

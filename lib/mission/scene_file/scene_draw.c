@@ -592,7 +592,7 @@ static bool check_end(const drawer *d, const file_draw *draw, asdic_yaml_node *c
         take_draw(d, draw, ASDIC_HASH_BEGIN, &value);
     }
     bool goes = key_node->text[key_node->length - 1] == ']' && !is_some(&value, NULL);
-    if (!goes) { /* an entry that is taken out has no value */
+    if (!goes && !d->reader.arena->is_short) { /* an entry that is taken out has no value */
         asdic_schema_read_alone(&d->reader, key, &value);
     }
     return d->reader.problems->total == before;
@@ -607,7 +607,8 @@ static void check_looks(const asdic_schema_reader *r, const file_draw *draw,
         good = true;
         for (size_t i = 0; i < sizeof shares / sizeof *shares && good; i++) {
             d.share = shares[i];
-            good = check_end(&d, draw, chosen, key);
+            good = check_end(&d, draw, chosen, key) && !arena.is_short;
+            r->arena->is_short |= arena.is_short;
             asdic_arena_finish(&arena);
         }
     }
