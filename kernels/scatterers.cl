@@ -512,7 +512,7 @@ __kernel void coherent_shade(__global const dev_ping *ping, __global const dev_c
     real k = (real)(ping->absorption_np_per_m);
     real lobes = lobes_towards(&w, c, sent.u, heard_from.u);
     amplitude *= lobes;
-    if (any_true(f.edge)) {
+    if (ASDIC_HAS_MESH && any_true(f.edge)) { /* else there are none */
         phasor with = {R(1.0), lobes_slope(&w, c, &f, &sent, &heard_from, lobes)};
         mirror.form = phasor_times(mirror.form, with);
     }
