@@ -12,7 +12,7 @@ import sys
 import program
 import tap
 from program import Folder, asdic
-from run_folder import data, edit_facts, facts, pictures, same, scene
+from run_folder import data, edit_facts, facts, flip, pictures, same, scene
 
 FULL = "full" in sys.argv and not sys.argv.remove("full")
 MUTATIONS = int(os.environ.get("ASDIC_MUTATIONS", "400" if FULL else "16"))
@@ -57,14 +57,6 @@ def world(folder):
     folder.write("diver.csv", "time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n"
                  "0,15,3,6,0,0,0\n0.55,16,2,6,0,0,0\n")
     return folder.write("pool.yaml", WORLD)
-
-
-def flip(path, at):
-    with open(path, "r+b") as file:
-        file.seek(at)
-        byte = file.read(1)[0]
-        file.seek(at)
-        file.write(bytes([byte ^ 16]))
 
 
 def test_a_bad_ping_is_named_and_made_again():

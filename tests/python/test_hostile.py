@@ -9,6 +9,7 @@ import tempfile
 import threading
 
 from package import need_device, pool, raises
+from run_folder import flip
 import tap
 
 import numpy as np
@@ -327,14 +328,6 @@ def test_damaged_runs():
                            "'asdic run' with --resume mends the run", look, run)
                 flip(path, size - at)
             tap.equal(len(looks[0](asdic.Run(folder))), 2, "whole again")
-
-
-def flip(path, at):
-    with open(path, "r+b") as file:
-        file.seek(at)
-        byte = file.read(1)[0]
-        file.seek(at)
-        file.write(bytes([byte ^ 16]))
 
 
 def test_a_run_that_was_replaced():

@@ -31,6 +31,15 @@ HEADER = ("ping,time_s,beam,bin,range_m,level_db,bottom_db,surface_db,volume_db,
           "multipath_db,noise_db,stderr_db")
 
 
+def flip(path, at):
+    """Damages the byte AT a place in a file; once more mends it."""
+    with open(path, "r+b") as file:
+        file.seek(at)
+        byte = file.read(1)[0]
+        file.seek(at)
+        file.write(bytes([byte ^ 16]))
+
+
 def scene(folder, pings=6, rays=2000, receivers=PAIR, npy="true"):
     return folder.write("pool.yaml", SCENE.format(pings=pings, rays=rays, receivers=receivers,
                                                   npy=npy))
