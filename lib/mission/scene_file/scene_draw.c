@@ -603,9 +603,10 @@ static void check_looks(const asdic_schema_reader *r, const file_draw *draw,
     asdic_arena arena = {0}; /* there may be as many looks as a file has values */
     drawer d = {.reader = {r->root, &arena, r->problems, r->files}};
     size_t looks = chosen ? count_looks(chosen) : 1;
+    size_t ends = r->files ? 1 : sizeof shares / sizeof *shares; /* the names of files have one */
     for (bool good = true; (good || r->files) && d.look < looks; d.look++) {
         good = true;
-        for (size_t i = 0; i < sizeof shares / sizeof *shares && good; i++) {
+        for (size_t i = 0; i < ends && good; i++) {
             d.share = shares[i];
             good = check_end(&d, draw, chosen, key) && !arena.is_short;
             r->arena->is_short |= arena.is_short;
