@@ -7,8 +7,10 @@
 /* Kernels need something to point at. */
 #define SMALLEST_BYTES 16
 
-/* From this size on, a buffer of a device that shares the host's memory lies in huge pages:
- * otherwise a walk through tens of megabytes of a tree misses the address cache at every step. */
+/* From this size on, a buffer of a device that shares the host's memory lies in pages of the host's, from which
+ * nothing need be copied; of larger ones in huge pages: otherwise a walk through tens of megabytes of a tree misses
+ * the address cache at every step. */
+#define PAGE_BYTES ((size_t)4096)
 #define HUGE_BUFFER_BYTES ((size_t)4 << 20)
 #define HUGE_PAGE_BYTES ((size_t)2 << 20)
 
@@ -17,15 +19,18 @@ static void CL_CALLBACK free_pages(cl_mem mem, void *pages) {
     free(pages);
 }
 
-/* NULL where huge pages do not apply or are not available; the caller then lets OpenCL allocate. */
-static cl_mem create_in_huge_pages(const asdic_device *device, size_t bytes) {
+/* NULL where pages do not apply or are not available; the caller then lets OpenCL allocate. */
+static cl_mem create_in_pages(const asdic_device *device, size_t bytes, void **memory) {
     void *pages = NULL;
     cl_int code;
-    if (bytes < HUGE_BUFFER_BYTES || device->info.kind != ASDIC_DEVICE_CPU ||
-        posix_memalign(&pages, HUGE_PAGE_BYTES, bytes) != 0) {
+    bool huge = bytes >= HUGE_BUFFER_BYTES;
+    if (bytes < PAGE_BYTES || device->info.kind != ASDIC_DEVICE_CPU ||
+        posix_memalign(&pages, huge ? HUGE_PAGE_BYTES : PAGE_BYTES, bytes) != 0) {
         return NULL;
     }
-    madvise(pages, bytes, MADV_HUGEPAGE); /* only a hint: without it the buffer is slower */
+    if (huge) {
+        madvise(pages, bytes, MADV_HUGEPAGE); /* only a hint: without it the buffer is slower */
+    }
     cl_mem mem =
         clCreateBuffer(device->cl, CL_MEM_READ_WRITE | CL_MEM_USE_HOST_PTR, bytes, pages, &code);
     if (code != CL_SUCCESS) {
@@ -37,6 +42,7 @@ static cl_mem create_in_huge_pages(const asdic_device *device, size_t bytes) {
         free(pages);
         return NULL;
     }
+    *memory = pages;
     return mem;
 }
 
@@ -67,7 +73,8 @@ asdic_status asdic_buffer_create(asdic_device *device, size_t bytes, const void 
     }
     buffer->device = device;
     buffer->bytes = bytes;
-    buffer->mem = create_in_huge_pages(device, bytes);
+    buffer->mem = create_in_pages(device, bytes, &buffer->memory);
+    buffer->is_shared = buffer->mem != NULL;
     if (!buffer->mem) {
         buffer->mem = clCreateBuffer(device->cl, CL_MEM_READ_WRITE,
                                      bytes < SMALLEST_BYTES ? SMALLEST_BYTES : bytes, NULL, &code);
@@ -93,6 +100,7 @@ asdic_status asdic_buffer_create(asdic_device *device, size_t bytes, const void 
 void asdic_buffer_destroy(asdic_buffer **buffer) {
     if (buffer && *buffer) {
         clReleaseMemObject((*buffer)->mem);
+        free((*buffer)->is_shared ? NULL : (*buffer)->memory);
         free(*buffer);
         *buffer = NULL;
     }
@@ -100,6 +108,13 @@ void asdic_buffer_destroy(asdic_buffer **buffer) {
 
 size_t asdic_buffer_bytes(const asdic_buffer *buffer) {
     return buffer->bytes;
+}
+
+void *asdic_buffer_memory(asdic_buffer *buffer) {
+    if (!buffer->memory) {
+        buffer->memory = malloc(buffer->bytes);
+    }
+    return buffer->memory;
 }
 
 static asdic_status check_range(const asdic_buffer *buffer, size_t offset, size_t bytes) {
@@ -144,41 +159,69 @@ asdic_status asdic_buffer_zero(asdic_buffer *buffer, size_t bytes) {
     return code == CL_SUCCESS ? ASDIC_OK : asdic_cl_fail(buffer->device, code, "clear a buffer");
 }
 
-static asdic_status read_buffer(asdic_buffer *buffer, size_t offset, size_t bytes, void *data,
-                                cl_event *event) {
+/* To its own memory nothing need be copied: what is mapped has the latest. */
+static cl_int enqueue_read(const asdic_buffer *buffer, cl_bool wait, size_t offset, size_t bytes,
+                           void *data, cl_event *event, void **mapped) {
+    cl_command_queue queue = buffer->device->queue;
+    cl_int code;
+    if (!buffer->is_shared || data != (char *)buffer->memory + offset) {
+        return clEnqueueReadBuffer(queue, buffer->mem, wait, offset, bytes, data, 0, NULL, event);
+    }
+    *mapped = clEnqueueMapBuffer(queue, buffer->mem, wait, CL_MAP_READ, offset, bytes, 0, NULL,
+                                 event, &code);
+    return code;
+}
+
+/* The host is done with what was MAPPED of BUFFER, if anything was. */
+static cl_int unmap(const asdic_buffer *buffer, void *mapped) {
+    return mapped
+               ? clEnqueueUnmapMemObject(buffer->device->queue, buffer->mem, mapped, 0, NULL, NULL)
+               : CL_SUCCESS;
+}
+
+asdic_status asdic_buffer_read(asdic_buffer *buffer, size_t offset, size_t bytes, void *data) {
+    void *mapped = NULL;
     asdic_status status = check_range(buffer, offset, bytes);
     if (status != ASDIC_OK || bytes == 0) {
         return status;
     }
-    cl_int code =
-        clEnqueueReadBuffer(buffer->device->queue, buffer->mem, event ? CL_FALSE : CL_TRUE, offset,
-                            bytes, data, 0, NULL, event);
-    if (!event) {
-        asdic_device_has_compiled(buffer->device);
-    }
+    cl_int code = enqueue_read(buffer, CL_TRUE, offset, bytes, data, NULL, &mapped);
+    asdic_device_has_compiled(buffer->device);
+    code = code == CL_SUCCESS ? unmap(buffer, mapped) : code;
     return code == CL_SUCCESS ? ASDIC_OK : asdic_cl_fail(buffer->device, code, "read a buffer");
 }
 
-asdic_status asdic_buffer_read(asdic_buffer *buffer, size_t offset, size_t bytes, void *data) {
-    return read_buffer(buffer, offset, bytes, data, NULL);
-}
-
 asdic_status asdic_buffer_fetch(asdic_buffer *buffer, size_t offset, size_t bytes, void *data,
-                                asdic_fetch **out) {
+                                asdic_fetch *out) {
     cl_event event = NULL;
-    asdic_status status = read_buffer(buffer, offset, bytes, data, &event);
-    *out = (asdic_fetch *)event;
-    return status;
+    *out = (asdic_fetch){.buffer = buffer};
+    asdic_status status = check_range(buffer, offset, bytes);
+    if (status != ASDIC_OK || bytes == 0) {
+        return status;
+    }
+    cl_int code = enqueue_read(buffer, CL_FALSE, offset, bytes, data, &event, &out->mapped);
+    out->event = event;
+    return code == CL_SUCCESS ? ASDIC_OK : asdic_cl_fail(buffer->device, code, "read a buffer");
 }
 
-asdic_status asdic_fetch_wait(asdic_device *device, asdic_fetch **fetch) {
-    cl_event event = (cl_event)*fetch;
+static cl_int end_fetch(asdic_fetch *fetch) {
+    cl_event event = (cl_event)fetch->event;
     if (!event) {
-        return ASDIC_OK;
+        return CL_SUCCESS;
     }
-    cl_int code = clWaitForEvents(1, &event);
-    asdic_device_has_compiled(device);
+    cl_int code = clWaitForEvents(1, &event), unmapped = unmap(fetch->buffer, fetch->mapped);
+    asdic_device_has_compiled(fetch->buffer->device);
     clReleaseEvent(event);
-    *fetch = NULL;
-    return code == CL_SUCCESS ? ASDIC_OK : asdic_cl_fail(device, code, "read a buffer");
+    fetch->event = fetch->mapped = NULL;
+    return code == CL_SUCCESS ? unmapped : code;
+}
+
+asdic_status asdic_fetch_wait(asdic_fetch *fetch) {
+    cl_int code = end_fetch(fetch);
+    return code == CL_SUCCESS ? ASDIC_OK
+                              : asdic_cl_fail(fetch->buffer->device, code, "read a buffer");
+}
+
+void asdic_fetch_abandon(asdic_fetch *fetch) {
+    end_fetch(fetch);
 }

@@ -12,7 +12,12 @@
 
 typedef struct asdic_buffer asdic_buffer;
 typedef struct asdic_kernel asdic_kernel;
-typedef struct asdic_fetch asdic_fetch; /* a reading under way */
+
+/* A reading under way; all NULL: none. */
+typedef struct asdic_fetch {
+    asdic_buffer *buffer;
+    void *event, *mapped;
+} asdic_fetch;
 
 /* BYTES 0 gives a buffer of 16 bytes (kernels need something to point at). DATA may be NULL.
  * Beyond CL_DEVICE_MAX_MEM_ALLOC_SIZE: ASDIC_ERROR_MEMORY with both numbers. */
@@ -20,6 +25,10 @@ asdic_status asdic_buffer_create(asdic_device *device, size_t bytes, const void 
                                  asdic_buffer **out);
 void asdic_buffer_destroy(asdic_buffer **buffer);
 size_t asdic_buffer_bytes(const asdic_buffer *buffer);
+/* The host's memory for what is read from BUFFER, which owns it; NULL: there is not enough. Where device and host share
+ * memory the buffer lies in it, and what is read to the place that it has there is not copied: it is valid until the
+ * device changes it. */
+void *asdic_buffer_memory(asdic_buffer *buffer);
 
 /* The host memory may be reused when the call returns. */
 asdic_status asdic_buffer_write(asdic_buffer *buffer, size_t offset, size_t bytes,
@@ -31,11 +40,13 @@ asdic_status asdic_buffer_zero(asdic_buffer *buffer, size_t bytes);
 /* Blocks until everything enqueued before has finished. */
 asdic_status asdic_buffer_read(asdic_buffer *buffer, size_t offset, size_t bytes, void *data);
 /* The same without waiting: DATA is valid after asdic_fetch_wait, which must be called for every
- * *OUT. */
+ * OUT, before its buffer goes. */
 asdic_status asdic_buffer_fetch(asdic_buffer *buffer, size_t offset, size_t bytes, void *data,
-                                asdic_fetch **out);
-/* Blocks, and ends *FETCH, also when it fails. NULL: nothing to wait for. */
-asdic_status asdic_fetch_wait(asdic_device *device, asdic_fetch **fetch);
+                                asdic_fetch *out);
+/* Blocks, and ends FETCH, also when it fails. Waits for nothing where there is none. */
+asdic_status asdic_fetch_wait(asdic_fetch *fetch);
+/* The same where nobody wants the data any more: no failure is told. */
+void asdic_fetch_abandon(asdic_fetch *fetch);
 
 /* Kernel NAME of the embedded source FILE ("trace.cl"), built with OPTIONS ("-D X=1 ..."; "" for
  * none). Programs are cached per device and (file, options); each call gives a kernel object of

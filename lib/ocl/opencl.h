@@ -32,7 +32,9 @@ struct asdic_device {
 struct asdic_buffer {
     asdic_device *device;
     cl_mem mem;
-    size_t bytes; /* as asked for */
+    void *memory;   /* of the host, for what is read; NULL: not yet */
+    bool is_shared; /* the buffer lies in it */
+    size_t bytes;   /* as asked for */
 };
 
 /* An OpenCL device as the loader lists it. */

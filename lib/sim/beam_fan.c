@@ -96,10 +96,14 @@ asdic_status asdic_beam_fan_init(asdic_beam_fan *fan, asdic_device *device,
     return ASDIC_OK;
 }
 
-void asdic_beam_fan_finish(asdic_beam_fan *fan, asdic_device *device) {
+void asdic_beam_fan_abandon(asdic_beam_fan *fan) {
     for (size_t i = 0; i < 2 * fan->tiles; i++) {
-        asdic_fetch_wait(device, &fan->fetches[i]);
+        asdic_fetch_abandon(&fan->fetches[i]);
     }
+}
+
+void asdic_beam_fan_finish(asdic_beam_fan *fan) {
+    asdic_beam_fan_abandon(fan);
     free(fan->fetches);
     if (fan->tiles > 0) {
         pthread_mutex_destroy(&fan->lock);
@@ -152,10 +156,16 @@ static asdic_status sort(asdic_beam_fan *fan, const dev_ping *ping, asdic_buffer
     return fan->width > 1 ? asdic_kernel_run(fan->runs, runs, 3, ping->bins, local) : ASDIC_OK;
 }
 
+/* To BUFFER's memory on the host. */
+static asdic_status fetch_part(asdic_buffer *buffer, size_t offset, size_t bytes,
+                               asdic_fetch *fetch) {
+    char *memory = asdic_buffer_memory(buffer);
+    return asdic_buffer_fetch(buffer, offset, bytes, memory + offset, fetch);
+}
+
 asdic_status asdic_beam_fan_project(asdic_beam_fan *fan, const dev_ping *ping,
                                     asdic_buffer *ping_buffer, asdic_buffer *arrivals,
-                                    asdic_buffer *results, float *host_results,
-                                    const asdic_fan_truth *truth) {
+                                    asdic_buffer *results, const asdic_fan_truth *truth) {
     size_t rows = fan->sums * fan->row;
     bool wide = fan->width > 1;
     size_t items = wide ? (ping->bins + 15) / 16 : ping->bins * (size_t)DEV_FAN_TILE;
@@ -171,34 +181,31 @@ asdic_status asdic_beam_fan_project(asdic_beam_fan *fan, const dev_ping *ping,
         size_t first = (size_t)tile * DEV_FAN_TILE, left = ping->beams - first;
         size_t bytes = (left < DEV_FAN_TILE ? left : DEV_FAN_TILE) * rows * sizeof(float);
         if (ping->batch.last) {
-            TRY(asdic_buffer_fetch(results, first * rows * sizeof(float), bytes,
-                                   host_results + first * rows, &fan->fetches[tile]));
-            char *cells = truth->host_cells; /* NULL without truth */
-            cells = cells ? cells + tile * truth->tile_bytes : NULL;
-            TRY(asdic_buffer_fetch(truth->cells, tile * truth->tile_bytes, truth->tile_bytes, cells,
-                                   &fan->fetches[fan->tiles + tile]));
+            TRY(fetch_part(results, first * rows * sizeof(float), bytes, &fan->fetches[tile]));
+            TRY(fetch_part(truth->cells, tile * truth->tile_bytes, truth->tile_bytes,
+                           &fan->fetches[fan->tiles + tile]));
         }
     }
     return ASDIC_OK;
 }
 
 /* The lock is held. */
-static asdic_status wait_in_order(asdic_beam_fan *fan, asdic_device *device, size_t tile) {
+static asdic_status wait_in_order(asdic_beam_fan *fan, size_t tile) {
     for (size_t at = atomic_load(&fan->fetched); at <= tile; at++) {
         /* The later one first: a thread then sleeps once. */
-        TRY(asdic_fetch_wait(device, &fan->fetches[fan->tiles + at]));
-        TRY(asdic_fetch_wait(device, &fan->fetches[at]));
+        TRY(asdic_fetch_wait(&fan->fetches[fan->tiles + at]));
+        TRY(asdic_fetch_wait(&fan->fetches[at]));
         atomic_store(&fan->fetched, at + 1);
     }
     return ASDIC_OK;
 }
 
-asdic_status asdic_beam_fan_wait(asdic_beam_fan *fan, asdic_device *device, size_t tile) {
+asdic_status asdic_beam_fan_wait(asdic_beam_fan *fan, size_t tile) {
     if (tile < atomic_load(&fan->fetched)) {
         return ASDIC_OK;
     }
     pthread_mutex_lock(&fan->lock);
-    asdic_status status = wait_in_order(fan, device, tile);
+    asdic_status status = wait_in_order(fan, tile);
     pthread_mutex_unlock(&fan->lock);
     return status;
 }

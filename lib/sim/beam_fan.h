@@ -25,7 +25,7 @@ typedef struct asdic_beam_fan {
     size_t row; /* floats of the results of one sum and receiver: bins, and what fills lines up */
     asdic_kernel *count, *place, *scatter, *runs, *project;
     asdic_buffer *counts, *made, *lists, *entries;
-    asdic_fetch **fetches; /* a tile's each, on their way to the host, then those of its truth */
+    asdic_fetch *fetches; /* a tile's each, on their way to the host, then those of its truth */
     size_t tiles;
     pthread_mutex_t lock;
     atomic_size_t fetched; /* tiles that are there: they come in order */
@@ -47,7 +47,7 @@ typedef struct asdic_beam_fan_size {
 /* Kernels and buffers; nothing where receivers are few. */
 asdic_status asdic_beam_fan_init(asdic_beam_fan *fan, asdic_device *device,
                                  const asdic_beam_fan_size *size);
-void asdic_beam_fan_finish(asdic_beam_fan *fan, asdic_device *device);
+void asdic_beam_fan_finish(asdic_beam_fan *fan);
 
 /* The frame of the common axis of a ping whose beams (transmitter first) are aimed. */
 void asdic_beam_fan_describe(const asdic_beam_fan *fan, const dev_beam *beams, dev_ping *ping);
@@ -55,16 +55,15 @@ void asdic_beam_fan_describe(const asdic_beam_fan *fan, const dev_beam *beams, d
 /* Where the truth of a ping's rows goes (kernels/truth.h), TILE_BYTES of every tile. */
 typedef struct asdic_fan_truth {
     asdic_buffer *rows, *cells;
-    void *host_cells;
     size_t tile_bytes;
 } asdic_fan_truth;
 
 /* Enqueues the sums of one batch's ARRIVALS, added to those of the batches before, in RESULTS: rows
- * [beam][sum], and in the TRUTH's cells. After the last batch they are fetched to the host, tile by tile. */
+ * [beam][sum], and in the TRUTH's cells. After the last batch they are fetched to these buffers' memory on the host, tile by
+ * tile. */
 asdic_status asdic_beam_fan_project(asdic_beam_fan *fan, const dev_ping *ping,
                                     asdic_buffer *ping_buffer, asdic_buffer *arrivals,
-                                    asdic_buffer *results, float *host_results,
-                                    const asdic_fan_truth *truth);
+                                    asdic_buffer *results, const asdic_fan_truth *truth);
 
 /* Floats of all results. */
 size_t asdic_beam_fan_results(const asdic_beam_fan *fan, size_t beams);
@@ -74,6 +73,8 @@ const float *asdic_beam_fan_row(const asdic_beam_fan *fan, const void *results, 
                                 size_t sum);
 
 /* Blocks until the beams of TILE are there; for several threads at a time. */
-asdic_status asdic_beam_fan_wait(asdic_beam_fan *fan, asdic_device *device, size_t tile);
+asdic_status asdic_beam_fan_wait(asdic_beam_fan *fan, size_t tile);
+/* Blocks until nothing is on its way to the host: after a ping that failed. */
+void asdic_beam_fan_abandon(asdic_beam_fan *fan);
 
 #endif

@@ -394,7 +394,7 @@ _Static_assert(DEV_FAN_TILE % ASDIC_TRUTH_BEAMS == 0, "threads take parts of til
 static asdic_status convert_some(const conversion *c, unsigned worker, size_t first, size_t end) {
     asdic_simulator *sim = c->sim;
     if (sim->fan.many) {
-        TRY(asdic_beam_fan_wait(&sim->fan, sim->device, first / DEV_FAN_TILE));
+        TRY(asdic_beam_fan_wait(&sim->fan, first / DEV_FAN_TILE));
     }
     for (size_t beam = first; beam < end; beam++) {
         if (sim->fan.many) {

@@ -279,11 +279,10 @@ static asdic_status run_batch(asdic_simulator *sim, size_t count) {
         TRY(run_collect(sim, count));
     }
     if (sim->fan.many) {
-        const asdic_fan_truth truth = {sim->truth.table_buffer, truth_cells(sim), sim->truth.cells,
+        const asdic_fan_truth truth = {sim->truth.table_buffer, truth_cells(sim),
                                        sim->truth.bytes / sim->fan.tiles};
         TRY(asdic_beam_fan_project(&sim->fan, sim->shots[0].ping, sim->buffers.pings,
-                                   sim->buffers.arrivals, sim->buffers.results,
-                                   (float *)sim->host.results, &truth));
+                                   sim->buffers.arrivals, sim->buffers.results, &truth));
     }
     return sim->kernels.collect || sim->fan.many ? end_phase(sim, ASDIC_PHASE_COLLECT) : ASDIC_OK;
 }
@@ -380,6 +379,9 @@ static asdic_status run_shots(asdic_simulator *sim, size_t count, asdic_ping *co
 asdic_status asdic_simulator_simulate(asdic_simulator *sim, size_t count, asdic_ping *const *out) {
     asdic_status status = run_shots(sim, count, out);
     sim->buffers.accumulator_clear = status == ASDIC_OK;
+    if (status) {
+        asdic_beam_fan_abandon(&sim->fan);
+    }
     for (size_t k = 0; status && k < count; k++) {
         sim->shots[k].tables_np_per_m = -1.0; /* the device may not have them */
     }

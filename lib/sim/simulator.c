@@ -582,7 +582,7 @@ void asdic_simulator_destroy(asdic_simulator **pointer) {
     asdic_kernel_destroy(&sim->kernels.pilot);
     asdic_kernel_destroy(&sim->kernels.connect);
     asdic_kernel_destroy(&sim->kernels.bounce);
-    asdic_beam_fan_finish(&sim->fan, sim->device);
+    asdic_beam_fan_finish(&sim->fan);
     asdic_quadrature_finish(&sim->quadrature);
     asdic_speckle_destroy(&sim->speckle);
     asdic_coherent_destroy(&sim->coherent);

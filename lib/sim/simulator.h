@@ -203,7 +203,7 @@ typedef struct asdic_truth_rows {
     bool asked;           /* by a ping of these shots */
     dev_truth_row *table; /* [shot][row] */
     asdic_buffer *table_buffer, *cell_buffer;
-    void *cells; /* as they came from the device */
+    void *cells; /* as they came from the device: the cell buffer's */
     size_t bytes;
     double *work;              /* of every thread */
     asdic_truth_point *points; /* of the current shot */

@@ -65,7 +65,6 @@ asdic_status asdic_store_create_host(asdic_simulator *sim) {
     sim->shots = asdic_arena_alloc(a, pings * sizeof *sim->shots);
     sim->host.bin_tables = asdic_arena_alloc(a, pings * 2 * bins * sizeof *sim->host.bin_tables);
     sim->host.water = asdic_arena_alloc(a, pings * 2 * bins * sizeof *sim->host.water);
-    sim->host.results = asdic_arena_alloc(a, pings * asdic_simulator_results_bytes(sim));
     sim->learnt.stated = asdic_arena_alloc(a, sim->setup.cells * sizeof *sim->learnt.stated);
     sim->host.scratch = asdic_arena_alloc(a, sim->setup.threads * asdic_pulse_scratch(bins) *
                                                  sizeof *sim->host.scratch);
@@ -82,12 +81,22 @@ asdic_status asdic_store_create_host(asdic_simulator *sim) {
             .loss = tables,
             .volume = tables + bins,
             .for_device = sim->host.water + k * 2 * bins,
-            .sums = sim->host.results + k * asdic_simulator_results_bytes(sim),
         };
     }
     memcpy(sim->setup.receivers, sim->setup.sonar.receivers, beams * sizeof *sim->setup.receivers);
     sim->setup.sonar.receivers = sim->setup.receivers;
     return sim->setup.margin > 0 && !sim->setup.sampling.coherent ? create_wide(sim) : ASDIC_OK;
+}
+
+static asdic_status place_results(asdic_simulator *sim) {
+    sim->host.results = asdic_buffer_memory(sim->buffers.results);
+    if (!sim->host.results) {
+        return asdic_fail_memory(sim->ctx, "a simulator");
+    }
+    for (size_t k = 0; k < sim->setup.ping_batch; k++) {
+        sim->shots[k].sums = sim->host.results + k * asdic_simulator_results_bytes(sim);
+    }
+    return ASDIC_OK;
 }
 
 asdic_status asdic_store_create_device(asdic_simulator *sim) {
@@ -141,8 +150,9 @@ asdic_status asdic_store_create_device(asdic_simulator *sim) {
     for (size_t i = 0; i < sizeof wanted / sizeof *wanted; i++) {
         TRY(asdic_buffer_create(sim->device, wanted[i].bytes, NULL, wanted[i].buffer));
     }
-    return asdic_buffer_create(sim->device, sim->setup.layer_count * sizeof(dev_layer),
-                               sim->setup.layers, &sim->buffers.layers);
+    TRY(asdic_buffer_create(sim->device, sim->setup.layer_count * sizeof(dev_layer),
+                            sim->setup.layers, &sim->buffers.layers));
+    return place_results(sim);
 }
 
 void asdic_store_destroy(asdic_simulator *sim) {

@@ -62,7 +62,6 @@ void asdic_truth_finish(asdic_simulator *sim) {
     asdic_buffer_destroy(&t->table_buffer);
     asdic_buffer_destroy(&t->cell_buffer);
     free(t->table);
-    free(t->cells);
     free(t->work);
     free(t->points);
     free(t->point_lin);
@@ -138,15 +137,14 @@ static void scale_depressions(const asdic_simulator *sim, dev_sums *sums) {
 static asdic_status make_room(asdic_simulator *sim, size_t cells) {
     asdic_truth_rows *t = &sim->truth;
     t->bytes = cells * t->columns * cell_bytes(sim);
-    if (t->cell_buffer && t->bytes <= asdic_buffer_bytes(t->cell_buffer)) {
+    if (t->cell_buffer && t->cells && t->bytes <= asdic_buffer_bytes(t->cell_buffer)) {
         return ASDIC_OK;
     }
     size_t room = t->bytes + t->bytes / 4;
     asdic_buffer_destroy(&t->cell_buffer);
-    free(t->cells);
-    t->cells = malloc(room);
-    return t->cells ? asdic_buffer_create(sim->device, room, NULL, &t->cell_buffer)
-                    : asdic_fail_memory(sim->ctx, "what bins hold");
+    TRY(asdic_buffer_create(sim->device, room, NULL, &t->cell_buffer));
+    t->cells = asdic_buffer_memory(t->cell_buffer);
+    return t->cells ? ASDIC_OK : asdic_fail_memory(sim->ctx, "what bins hold");
 }
 
 asdic_status asdic_truth_begin(asdic_simulator *sim, size_t count, asdic_ping *const *out) {

@@ -40,6 +40,37 @@ static void buffer_gives_back_what_was_written(void **state) {
     asdic_buffer_destroy(&buffer);
 }
 
+/* In a buffer's own memory is what was written last to the part that is read, by whatever way, once it has been waited
+ * for: of a small buffer, of one that a processor shares, and of one in huge pages. */
+static void buffer_is_read_to_its_own_memory(void **state) {
+    (void)state;
+    const size_t sizes[] = {64, (size_t)1 << 14, (size_t)5 << 20};
+    for (size_t k = 0; k < sizeof sizes / sizeof sizes[0]; k++) {
+        size_t bytes = sizes[k], half = bytes / 2;
+        asdic_buffer *buffer = NULL;
+        asdic_fetch fetch;
+        unsigned char *out = malloc(bytes), *in = out;
+        memset(in, 0xa5, bytes);
+        assert_ok(t.ctx, asdic_buffer_create(t.device, bytes, in, &buffer));
+        unsigned char *own = asdic_buffer_memory(buffer);
+        assert_non_null(own);
+        assert_ptr_equal(asdic_buffer_memory(buffer), own);
+        assert_ok(t.ctx, asdic_buffer_read(buffer, 0, bytes, own));
+        assert_memory_equal(own, in, bytes);
+        assert_ok(t.ctx, asdic_buffer_zero(buffer, half));
+        assert_ok(t.ctx, asdic_buffer_fetch(buffer, half - 8, 16, own + half - 8, &fetch));
+        assert_ok(t.ctx, asdic_fetch_wait(&fetch));
+        assert_memory_equal(own + half - 8, "\0\0\0\0\0\0\0\0\245\245\245\245\245\245\245\245", 16);
+        assert_ok(t.ctx, asdic_buffer_read(buffer, 8, bytes - 8, out));
+        assert_int_equal(out[0], 0);
+        assert_int_equal(out[bytes - 9], 0xa5);
+        assert_int_equal(asdic_buffer_read(buffer, bytes - 4, 8, own + bytes - 4),
+                         ASDIC_ERROR_ARGUMENT);
+        asdic_buffer_destroy(&buffer);
+        free(out);
+    }
+}
+
 static void buffer_zero_clears_exactly_the_bytes_asked_for(void **state) {
     (void)state;
     const size_t lengths[] = {0, 1, 4, 7, 16, 20, 32};
@@ -444,6 +475,7 @@ int main(void) {
     t = test_device_open_or_skip();
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(buffer_gives_back_what_was_written),
+        cmocka_unit_test(buffer_is_read_to_its_own_memory),
         cmocka_unit_test(buffer_zero_clears_exactly_the_bytes_asked_for),
         cmocka_unit_test(a_device_compiles_or_does_not),
         cmocka_unit_test(empty_buffer_can_be_an_argument),
