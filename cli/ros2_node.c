@@ -255,14 +255,21 @@ bool ros2_node_take_pose(ros2_node *n, asdic_ros_stamped *out, uint64_t *passed)
     struct ddsi_serdata *data[DEPTH];
     dds_sample_info_t info[DEPTH];
     dds_return_t count = dds_takecdr(n->pose.end, data, DEPTH, info, DDS_ANY_STATE);
-    dds_return_t newest = -1;
+    struct ddsi_serdata *newest = NULL;
     for (dds_return_t i = 0; i < count; i++) {
-        *passed += newest >= 0 && info[i].valid_data ? 1 : 0;
-        newest = info[i].valid_data ? i : newest;
+        if (!info[i].valid_data) {
+            ddsi_serdata_unref(data[i]);
+            continue;
+        }
+        if (newest) {
+            ++*passed;
+            ddsi_serdata_unref(newest);
+        }
+        newest = data[i];
     }
-    bool good = newest >= 0 && read_pose(n, data[newest]);
-    for (dds_return_t i = 0; i < count; i++) {
-        ddsi_serdata_unref(data[i]);
+    bool good = newest && read_pose(n, newest);
+    if (newest) {
+        ddsi_serdata_unref(newest);
     }
     *out = n->stamped;
     return good;
