@@ -64,7 +64,7 @@ static asdic_status foresee(const asdic_mission *mission, asdic_simulator *sim,
         }
         TRY(asdic_mission_place(mission, sim, pings[k]));
         TRY(asdic_coherent_foresee(sim, &pose, &one));
-        *out = one.scatterers > out->scatterers ? one : *out;
+        *out = k == 0 || one.scatterers > out->scatterers ? one : *out;
     }
     return ASDIC_OK;
 }
@@ -86,7 +86,6 @@ asdic_status asdic_mission_forecast_coherent(asdic_context *ctx, const asdic_mis
     sampling.left_out = plan.left_out; /* as a run does */
     double depth_m = asdic_mission_pose(mission, 0, NULL).position_m.z;
     asdic_simulator *sim = NULL;
-    *out = (asdic_coherent_forecast){0};
     TRY(asdic_simulator_create_with(ctx, NULL, mission->scene, &s->environment, &s->sonar,
                                     &sampling, depth_m, &layout, &sim));
     asdic_status status = foresee(mission, sim, out);

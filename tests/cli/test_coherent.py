@@ -341,6 +341,10 @@ sampling: {coherent: true, rays: 2000}
                 tap.equal(found["scatterers"] < 30000, True, found)
             text = asdic("check", f"{name}.yaml", cwd=folder.path).check(0).out
             tap.contains(text, f"  scatterers  {found['scatterers']} a ping")
+        void = wall[:wall.index("bottom:")] + "bottom: none\nsurface: {enabled: false}\n" + wall[wall.index("sonar:"):]
+        folder.write("void.yaml", void.replace("1500}", "1500, particle_density: -200}"))
+        found = json.loads(asdic("check", "--json", "void.yaml", cwd=folder.path).check(0).out)[0]["coherent"]
+        tap.equal((found["scatterers"], found["bytes"], found["fits"]), (0, 0, True), "of nothing")
 
 
 def test_a_smooth_plate_is_silent_off_its_mirror_direction():
