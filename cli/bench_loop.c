@@ -76,11 +76,18 @@ static asdic_status measure(bench *b, asdic_loop *loop, const asdic_mission *mis
     return ASDIC_OK;
 }
 
+static asdic_status steps(bench *b, asdic_view *view, size_t count) {
+    asdic_status status = ASDIC_OK;
+    for (size_t k = 0; !status && k < count; k++) {
+        status = bench_interrupted(b) ? ASDIC_ERROR_INTERRUPTED : asdic_view_step(view);
+    }
+    return status;
+}
+
 /* A view at the speed that the machine gives; rays as asked for. */
 static asdic_status look(bench *b, asdic_mission *mission, figures *f) {
     asdic_view_options options = asdic_view_options_default();
     asdic_view *view = NULL;
-    double begin_s = 0.0;
     options.real_time = true; /* expected curves in the background, as in a window */
     options.least_rays = f->rays;
     asdic_status status = asdic_view_create(cli_context(b->c), mission, b->device, &options, &view);
@@ -88,10 +95,9 @@ static asdic_status look(bench *b, asdic_mission *mission, figures *f) {
     if (status == ASDIC_ERROR_UNSUPPORTED) {
         return ASDIC_OK;
     }
-    for (size_t k = 0; !status && k < ASDIC_LEARN_BLOCK + f->pings / 2; k++) {
-        begin_s = k == ASDIC_LEARN_BLOCK ? cli_clock_s() : begin_s;
-        status = bench_interrupted(b) ? ASDIC_ERROR_INTERRUPTED : asdic_view_step(view);
-    }
+    status = status ? status : steps(b, view, ASDIC_LEARN_BLOCK);
+    double begin_s = cli_clock_s();
+    status = status ? status : steps(b, view, f->pings / 2);
     f->frames_per_s = (double)(f->pings / 2) / (cli_clock_s() - begin_s);
     asdic_view_destroy(&view);
     return status;

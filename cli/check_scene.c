@@ -152,7 +152,7 @@ static void print_text(const char *path, asdic_mission *m, const scene_numbers *
     }
     char scan[CLI_SCAN_SIZE];
     cli_scan_words(m, scan);
-    if (scan[0]) {
+    if (*scan) {
         printf("  scan        %s\n", scan);
     }
     printf("  bins        %zu of %.4g m, from %.4g to %.5g m\n", n->bins, sonar->bin_length_m,

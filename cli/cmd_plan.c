@@ -116,7 +116,7 @@ static void print_text(const asdic_mission *mission, const asdic_plan *plan,
     printf("files: %s\n", cli_size(mission, pings, ".", size));
     char scan[CLI_SCAN_SIZE];
     cli_scan_words(mission, scan);
-    if (scan[0]) {
+    if (*scan) {
         printf("scan: %s\n", scan);
     }
     if (f->known) {

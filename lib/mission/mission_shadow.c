@@ -31,7 +31,7 @@ static water_ray follow(const asdic_layers *layers, double depth_m, double eleva
                         double time_s) {
     asdic_bent_ray ray = asdic_bent_ray_start(layers, depth_m, elevation_rad);
     water_ray out = {STAYS, 0.0, 0};
-    while (out.turns < 3) {
+    while (out.turns < 2) { /* then it turns for ever */
         int way;
         double exit_s = asdic_bent_ray_exit(layers, &ray, &way);
         bool in_time = ray.time_s + exit_s < time_s;

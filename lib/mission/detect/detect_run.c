@@ -147,8 +147,7 @@ static asdic_status allocate(asdic_detect_job *job) {
     job->sight_ping = asdic_arena_alloc(a, sights * sizeof *job->sight_ping);
     job->sight_hit = asdic_arena_alloc(a, sights * sizeof *job->sight_hit);
     job->sight_most = asdic_arena_alloc(a, sights * sizeof *job->sight_most);
-    job->track_north_m =
-        asdic_arena_alloc(a, 3 * (job->info.pings + 1) * sizeof *job->track_north_m);
+    job->track_north_m = asdic_arena_alloc(a, 3 * job->info.pings * sizeof *job->track_north_m);
     if (a->is_short) {
         return asdic_fail_memory(job->ctx, "detections");
     }
@@ -157,8 +156,8 @@ static asdic_status allocate(asdic_detect_job *job) {
     job->rest_lin = job->noise_lin + cells;
     job->object_lin = job->rest_lin + cells;
     job->fixed_lin = job->object_lin + cells;
-    job->track_east_m = job->track_north_m + job->info.pings + 1;
-    job->track_yaw_rad = job->track_east_m + job->info.pings + 1;
+    job->track_east_m = job->track_north_m + job->info.pings;
+    job->track_yaw_rad = job->track_east_m + job->info.pings;
     return ASDIC_OK;
 }
 

@@ -179,7 +179,7 @@ void asdic_scene_file_check_bins(const asdic_scene_file *file, double depth_m,
     double sound_speed_mps = asdic_environment_sound_speed_mps(&env, fmax(depth_m, 0.0));
     double range_m = asdic_sonar_max_range_m(&sonar, sound_speed_mps);
     size_t bins = asdic_sonar_bin_count(&sonar, sound_speed_mps);
-    bool is_set = s->max_range_m <= range_m;
+    bool is_set = !isnan(s->max_range_m);
     const char *which = is_set ? "" : ", which is c / (2 ping_rate_hz)";
     const char *key = is_set ? "raise 'max_range_m'" : "'ping_rate_hz'";
     sonar.max_range_m = NAN;
