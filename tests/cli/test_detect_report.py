@@ -76,6 +76,19 @@ def test_bands_are_those_of_the_laws_error():
         tap.contains(done.out, sight_row(seen, "forward") + "\n")
 
 
+def test_objects_are_told_apart_by_beam_and_range():
+    """Two points on the axes of two beams: each stands out most in its own beam, in the middle of the bin it lies in."""
+    need_device()
+    with Folder() as folder:
+        points = "{name: port, point: 0, position_m: [17.5, -10.1, 7]}, " \
+                 "{name: starboard, point: 0, position_m: [26.5, 15.3, 7]}"  # at 20.2 and 30.6 m, 30 degrees aside
+        made(folder, BUOY.replace("{name: buoy, point: -22, position_m: [40, 0, 7]}", points)
+             .replace("[{name: forward}]", "{fan: {count: 2, sector_deg: 120, length_h_m: 0.1, length_v_m: 0.1}}"))
+        seen = sorted(report(folder)["objects"], key=lambda s: s["snr_db"])
+        loudest = {s["object"]: (s["beam"], s["range_m"]) for s in seen}
+        tap.equal(loudest, {"port": ("000", 20.25), "starboard": ("001", 30.75)}, "where they lie")
+
+
 def test_text_says_what_json_says():
     need_device()
     with Folder() as folder:

@@ -79,19 +79,26 @@ def test_shards_beyond_the_pings_are_empty():
         same(folder, "whole", "joined")
 
 
-def test_a_run_of_another_curve_is_not_resumed():
+def test_a_run_of_another_file_is_not_resumed():
+    """A curve, a mesh whose box stays, a track: each a tenth off."""
     program.need_device()
+    files = {"c.csv": ("grazing_deg,strength_db\n5,-40\n45,{}\n90,-5\n", -20, -20.1),
+             "m.obj": ("v 0 0 0\nv 2 0 0\nv 0 2 0\nv 2 2 0\nv 0 0 -2\nv 1 1 {}\nf 1 2 5\nf 3 4 5\nf 1 3 6\nf 2 4 6\n",
+                       -1, -1.1),
+             "t.csv": ("time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n0,0,0,7,0,0,0\n1,1,0,{},0,0,0\n", 7, 7.1)}
     with Folder() as folder:
-        curve = "grazing_deg,strength_db\n5,-40\n45,{}\n90,-5\n"
-        folder.write("c.csv", curve.format(-20))
         path = folder.write("s.yaml", "version: 1\nbottom: {depth_m: 12, curve: c.csv}\n"
+                            "objects: [{name: rock, mesh: {file: m.obj}, position_m: [20, 0, 11]}]\n"
                             "sonar: {frequency_khz: 100, receivers: [{name: a}]}\n"
-                            "mission: {pose: {position_m: [0, 0, 7]}, pings: 1}\nsampling: {rays: 500}\n")
+                            "mission: {track: t.csv}\nsampling: {rays: 500}\n")
+        for name, (text, value, _) in files.items():
+            folder.write(name, text.format(value))
         asdic("run", path, "-o", folder / "r").check(code=0)
-        folder.write("c.csv", curve.format(-21))
-        tap.contains(asdic("run", path, "-o", folder / "r", "--resume").check(code=1).err, "another mesh, grid or track, "
-                     "or measured law")
-        folder.write("c.csv", curve.format(-20))
+        for name, (text, value, other) in files.items():
+            folder.write(name, text.format(other))
+            tap.contains(asdic("run", path, "-o", folder / "r", "--resume").check(code=1).err,
+                         "another mesh, grid or track, or measured law")
+            folder.write(name, text.format(value))
         tap.contains(asdic("run", path, "-o", folder / "r", "--resume").check(code=0).err, "complete already")
 
 

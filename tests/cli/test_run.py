@@ -116,7 +116,9 @@ def test_rays_follow_the_sonar():
         few = asdic("run", path, "-o", folder / "few", "--rays", 500).check(code=0)
         tap.contains(few.err, "remark: rays: 500 a ping are few for this sonar")
         tap.equal(facts(folder, "few")["rays"], 500, "--rays")
-        tap.contains(" ".join(facts(folder, "few")["remarks"]), "'rays: auto' would take")
+        told = facts(folder, "few")["remarks"]
+        tap.equal([few.err.count(remark) for remark in told], [1] * len(told), "what was said, is in run.json")
+        tap.contains(" ".join(told), "'rays: auto' would take")
         # As many as there are at all are few for so many bins.
         many = text.replace("count: 64", "count: 1024").replace("length_h_m: 0.3", "length_h_m: 5")
         said = asdic("check", folder.write("many.yaml", many.replace("ping_rate_hz: 20", "ping_rate_hz: 1"))).check(0).err

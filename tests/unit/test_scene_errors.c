@@ -383,6 +383,15 @@ static void keys_must_fit_together(void **state) {
     expect_edit("100\n", "100\n  max_range_m: 1.4\n  bin_length_m: 1001\n  blanking_m: 1.2\n",
                 "6:17: error: 'bin_length_m' = 1001 is out of range [0.001, 1000] m  "
                 "[sonar.bin_length_m]\n");
+    /* What hangs on a wrong value is not judged: ranges on the longest one and the sound speed. */
+    expect_edit("100\n", "100\n  max_range_m: 0\n  blanking_m: 80\n",
+                "5:16: error: 'max_range_m' = 0 is out of range [0.01, 100000] m  "
+                "[sonar.max_range_m]\n");
+    expect_edit(
+        "bottom: {depth_m: 12}\nsonar:\n",
+        "environment: {sound_speed_mps: 1}\nbottom: {depth_m: 12}\nsonar:\n  blanking_m: 80\n",
+        "2:32: error: 'sound_speed_mps' = 1 is out of range [1300, 1700] m/s  "
+        "[environment.sound_speed_mps]\n");
     expect_edit("bottom: {depth_m: 12}",
                 "environment: {sound_speed_mps: 1500, sound_speed_gradient_per_s: -20}\n"
                 "bottom: {depth_m: 12}",

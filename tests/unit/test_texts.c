@@ -321,6 +321,34 @@ static void abscissas_are_labelled(void **state) {
     }
 }
 
+/* A panel's curves are named in the first one's legend, or in its own where that does not name them. */
+static void curves_are_named_once(void **state) {
+    (void)state;
+    static const struct {
+        const char *first, *second;
+        size_t firsts, others;
+    } cases[] = {{"line", "line", 1, 0},
+                 {"line", "other", 1, 1},
+                 {"line", NULL, 1, 0},
+                 {NULL, "other", 0, 1}};
+    const double at[] = {3, 4};
+    const asdic_plot_axis axis = {.label = "range (m)", .low = 1, .high = 10};
+    asdic_picture_options options = options_of("plot");
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const asdic_series lines[] = {
+            {.label = cases[i].first, .x = at, .y = at, .count = 2, .width = 1},
+            {.label = cases[i].second, .x = at, .y = at, .count = 2, .width = 1}};
+        const asdic_plot panels[] = {
+            {.x = axis, .y = axis, .series = lines, .series_count = 1},
+            {.x = axis, .y = axis, .series = lines + 1, .series_count = 1}};
+        box_count = 0;
+        assert_ok(t.ctx, asdic_picture_plot(t.ctx, path, panels, 2, &options));
+        assert_int_equal(times_written("line"), cases[i].firsts);
+        assert_int_equal(times_written("other"), cases[i].others);
+        assert_legible("plot", 8);
+    }
+}
+
 /* The longest names that objects, beams and variants may have, in every legend and title. */
 static void long_names_stay_on_the_page(void **state) {
     (void)state;
@@ -744,6 +772,7 @@ int main(void) {
         cmocka_unit_test(ascopes_name_the_curves_that_they_have),
         cmocka_unit_test(ascopes),
         cmocka_unit_test(abscissas_are_labelled),
+        cmocka_unit_test(curves_are_named_once),
         cmocka_unit_test(long_names_stay_on_the_page),
         cmocka_unit_test(names_share_an_abscissa),
         cmocka_unit_test(ascopes_are_of_one_height),

@@ -385,6 +385,7 @@ static void a_trail_lies_behind_the_vehicle(void **state) {
         const struct line *l = &lines[i];
         is_drawn = is_drawn ||
                    hypot(l->x0 - x[0], l->y0 - y[0]) + hypot(l->x1 - x[1], l->y1 - y[1]) < 1e-6;
+        assert_false(hypot(l->x1 - x[0], l->y1 - y[0]) < 1e-6); /* nothing leads to its beginning */
     }
     assert_true(is_drawn);
     close_view(v);
