@@ -357,7 +357,7 @@ static int fly(cli *c, request *r, asdic_team *team) {
     r->options.team = team;
     asdic_status status = recruit(c, r->replay ? 1 : r->workers, &w);
     if (!status && !isnan(r->tolerance_db)) {
-        status = find_rays(c, r, w.all[0]);
+        status = find_rays(c, r, *w.all);
     }
     size_t count = w.times * w.each;
     asdic_trial_rule rule = {.decide = trial_programs_decide, .name = r->program};
