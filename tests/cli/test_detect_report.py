@@ -110,6 +110,7 @@ def test_text_says_what_json_says():
         tap.equal(lines[-1], f"tracks: {tracks['begun']} begun, {tracks['confirmed']} confirmed, "
                              f"{tracks['on_objects']} of these on objects; of false alarms alone "
                              f"{tracks['by_chance']:.2g} are to be expected")
+        tap.equal(0 < tracks["on_objects"] <= tracks["confirmed"] <= tracks["begun"] <= said["detections"], True, f"{tracks}")
         tap.contains(done.err, f"out: detections.csv ({said['detections']}), tracks.csv, occupancy.png")
         tap.equal(said["detections"], sum(row["detected"] for row in said["confusion"]), "detections")
         # Of nine beams the one in which the ball stands out most.

@@ -665,14 +665,16 @@ static void what_cannot_be_drawn_is_refused(void **state) {
     const asdic_plot panel = {.x = axis, .y = axis};
     const double place[2] = {1.0, 2.0};
     const asdic_series curve = {.x = place, .y = place, .count = 2, .width = 1.0};
-    asdic_series curves[4] = {curve, curve, curve, curve};
+    asdic_series curves[6] = {curve, curve, curve, curve, curve, curve};
     curves[0].x = NULL;
     curves[1].y = NULL;
     curves[2].width = NAN;
     curves[3].style = (asdic_line_style)99;
-    for (size_t i = 0; i < 5; i++) {
+    curves[4].width = -1.0;
+    curves[5].width = INFINITY;
+    for (size_t i = 0; i < 7; i++) {
         asdic_plot of = panel;
-        of.series = i < 4 ? &curves[i] : NULL;
+        of.series = i < 6 ? &curves[i] : NULL;
         of.series_count = 1;
         assert_int_equal(asdic_picture_plot(ctx, path, &of, 1, &good), ASDIC_ERROR_ARGUMENT);
     }
