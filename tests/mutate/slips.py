@@ -85,6 +85,7 @@ def _kept(source):
 
 
 CHOICE = re.compile(r"\s*(?P<right>[^\s?:;&|]+(?:\([^()]*\))?)\s*\?\s*(?P<yes>[^?:;]+?)\s*:\s*(?P<no>[^?:;]+)")
+CAST = re.compile(r"\((?:\w+_t|double|float|int|unsigned)\)")
 CALLED = re.compile(r"[\w.>\[\]-]+(?:\([^()]*\))?$")
 
 
@@ -94,7 +95,7 @@ def is_same_choice(source, start, old, new):
         return False
     before = source[max(0, start - 80) : start].rstrip()
     left = CALLED.search(before)
-    choice = CHOICE.match(source[start + len(old) : start + 160])
+    choice = CHOICE.match(CAST.sub("", source[start + len(old) : start + 160]))
     if not left or not choice or not re.search(r"([=(,:?]|&&|\|\||return)$", before[: left.start()].rstrip()):
         return False  # part of a sum, say
     a, b = left.group().lstrip("-"), choice["right"]

@@ -33,6 +33,7 @@ def test_pointers_and_products():
 
 def test_the_greater_of_two_is_the_same_where_they_are_equal():
     tap.equal(changes("int c = a > b ? a : b;"), [(1, ">", "<")])
+    tap.equal(changes("int c = a > b ? (int)a : (uint32_t)b;"), [(1, ">", "<")])
     tap.equal(changes("int c = n->most <= 7 ? 7 : n->most;"),
               [(1, "<=", ">="), (1, "7", "8"), (1, "7", "6"), (1, "7", "8"), (1, "7", "6")])  # fmt: skip
     tap.equal(changes("int c = a > b ? b : a + 1;")[:2], [(1, ">", ">="), (1, ">", "<")])
