@@ -2,6 +2,7 @@
 
 #include "context.h"
 #include "file_read.h"
+#include "grow.h"
 #include "number.h"
 #include "try.h"
 #include "words.h"
@@ -195,16 +196,13 @@ static bool read_field(columns_reader *r, const asdic_column *column, const fiel
 }
 
 static bool make_room(columns_reader *r) {
-    if (r->count < r->capacity) {
-        return true;
+    size_t rows = r->capacity, lines = r->capacity;
+    if (!asdic_grow(&r->rows, r->count, &rows, r->columns->count * sizeof *r->rows) ||
+        !asdic_grow(&r->lines, r->count, &lines, sizeof *r->lines)) {
+        return false;
     }
-    size_t capacity = r->capacity ? 2 * r->capacity : 256;
-    double *rows = realloc(r->rows, capacity * r->columns->count * sizeof *rows);
-    r->rows = rows ? rows : r->rows;
-    size_t *lines = rows ? realloc(r->lines, capacity * sizeof *lines) : NULL;
-    r->lines = lines ? lines : r->lines;
-    r->capacity = lines ? capacity : r->capacity;
-    return lines != NULL;
+    r->capacity = lines;
+    return true;
 }
 
 static void read_row(columns_reader *r, const char *line) {

@@ -1,6 +1,7 @@
 #include "file_read.h"
 
 #include "context.h"
+#include "grow.h"
 #include "try.h"
 
 #include <errno.h>
@@ -10,6 +11,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+/* Asked for at once, at least. */
+#define LEAST_READ 65535
+
 /* Reads FILE to its end; a byte more than LIMIT_BYTES is enough to know that it is too long. */
 static asdic_status read_stream(asdic_context *ctx, const char *name, FILE *file,
                                 size_t limit_bytes, char **data, size_t *bytes) {
@@ -17,14 +21,9 @@ static asdic_status read_stream(asdic_context *ctx, const char *name, FILE *file
     size_t capacity = 0, length = 0;
     char *buffer = NULL;
     for (;;) {
-        if (capacity - length < 2) {
-            capacity = capacity ? 2 * capacity : 65536;
-            char *larger = realloc(buffer, capacity);
-            if (!larger) {
-                status = asdic_fail_memory(ctx, "a file's text");
-                goto fail;
-            }
-            buffer = larger;
+        if (!asdic_reserve(&buffer, length + LEAST_READ, &capacity, 1)) {
+            status = asdic_fail_memory(ctx, "a file's text");
+            goto fail;
         }
         size_t got = fread(buffer + length, 1, capacity - length - 1, file);
         length += got;

@@ -1,5 +1,6 @@
 #include "text.h"
 
+#include "grow.h"
 #include "number.h"
 
 #include <asdic/common.h>
@@ -11,25 +12,9 @@
 
 /* Room for MORE bytes and the terminating zero. */
 static bool reserve(asdic_text *text, size_t more) {
-    if (text->failed) {
-        return false;
-    }
     size_t need = text->length + more + 1;
-    if (need <= text->capacity) {
-        return true;
-    }
-    size_t capacity = text->capacity ? 2 * text->capacity : 256;
-    if (capacity < need) {
-        capacity = need;
-    }
-    char *data = realloc(text->data, capacity);
-    if (!data) {
-        text->failed = true;
-        return false;
-    }
-    text->data = data;
-    text->capacity = capacity;
-    return true;
+    text->failed = text->failed || !asdic_reserve(&text->data, need, &text->capacity, 1);
+    return !text->failed;
 }
 
 void asdic_text_add_bytes(asdic_text *text, const char *bytes, size_t count) {

@@ -1,6 +1,7 @@
 #include "evidence.h"
 
 #include "base/context.h"
+#include "base/grow.h"
 #include "base/try.h"
 #include "law.h"
 #include "sim/ring.h"
@@ -135,14 +136,8 @@ static void find_ears(reader *r) {
 /* --- directions ------------------------------------------------------------------------------- */
 
 static asdic_status add_hearing(asdic_context *ctx, asdic_evidence *f, asdic_hearing hearing) {
-    if (f->hearing_count == f->hearing_room) {
-        size_t room = 2 * f->hearing_room + 256;
-        asdic_hearing *larger = realloc(f->hearings, room * sizeof *larger);
-        if (!larger) {
-            return asdic_fail_memory(ctx, "an occupancy map");
-        }
-        f->hearings = larger;
-        f->hearing_room = room;
+    if (!asdic_grow(&f->hearings, f->hearing_count, &f->hearing_room, sizeof *f->hearings)) {
+        return asdic_fail_memory(ctx, "an occupancy map");
     }
     f->hearings[f->hearing_count++] = hearing;
     return ASDIC_OK;

@@ -5,6 +5,7 @@
 #include <asdic/scan.h>
 
 #include "base/context.h"
+#include "base/grow.h"
 #include "base/try.h"
 #include "kalman.h"
 
@@ -80,19 +81,6 @@ void asdic_tracker_destroy(asdic_tracker **tracker) {
     }
 }
 
-static bool grow(void **items, size_t *capacity, size_t needed, size_t size) {
-    if (needed <= *capacity) {
-        return true;
-    }
-    size_t room = needed + needed / 2 + 16;
-    void *larger = realloc(*items, room * size);
-    if (larger) {
-        *items = larger;
-        *capacity = room;
-    }
-    return larger != NULL;
-}
-
 static int nearer(const void *a, const void *b) {
     const pair *x = a, *y = b;
     if (x->distance2 != y->distance2) {
@@ -131,7 +119,7 @@ static bool find_pairs(asdic_tracker *t, const asdic_plot_point *plots, size_t c
             if (distance2 > t->options.gate) {
                 continue;
             }
-            if (!grow((void **)&t->pairs, &t->pair_capacity, *pairs + 1, sizeof *t->pairs)) {
+            if (!asdic_grow(&t->pairs, *pairs, &t->pair_capacity, sizeof *t->pairs)) {
                 return false;
             }
             t->pairs[(*pairs)++] = (pair){distance2, i, k};
@@ -198,9 +186,9 @@ asdic_status asdic_tracker_update(asdic_tracker *t, double time_s, const asdic_p
                           t->time_s);
     }
     TRY(check_plots(t->ctx, plots, count));
-    if (!grow((void **)&t->tracks, &t->capacity, t->count + count, sizeof *t->tracks) ||
-        !grow((void **)&t->states, &t->state_capacity, t->count + count, sizeof *t->states) ||
-        !grow((void **)&t->taken, &t->plot_capacity, count, sizeof *t->taken)) {
+    if (!asdic_reserve(&t->tracks, t->count + count, &t->capacity, sizeof *t->tracks) ||
+        !asdic_reserve(&t->states, t->count + count, &t->state_capacity, sizeof *t->states) ||
+        !asdic_reserve(&t->taken, count, &t->plot_capacity, sizeof *t->taken)) {
         return asdic_fail_memory(t->ctx, "tracks");
     }
     t->time_s = time_s;

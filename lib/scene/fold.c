@@ -1,6 +1,7 @@
 #include "fold.h"
 
 #include "../base/context.h"
+#include "../base/grow.h"
 #include "../base/vec.h"
 
 #include <stdlib.h>
@@ -57,25 +58,8 @@ static void sort_members(folding *f) {
 
 /* Room for one fold more than there are, of which the present patch' begin at BEGIN. */
 static bool make_room(folding *f, uint32_t begin) {
-    if (f->count == f->room) {
-        size_t room = 2 * f->room + 64;
-        asdic_fold *more = realloc(f->s->folds, room * sizeof *more);
-        if (!more) {
-            return false;
-        }
-        f->s->folds = more;
-        f->room = room;
-    }
-    if (f->count - begin == f->sight_room) {
-        size_t room = 2 * f->sight_room + 64;
-        sight *more = realloc(f->sights, room * sizeof *more);
-        if (!more) {
-            return false;
-        }
-        f->sights = more;
-        f->sight_room = room;
-    }
-    return true;
+    return asdic_grow(&f->s->folds, f->count, &f->room, sizeof *f->s->folds) &&
+           asdic_grow(&f->sights, f->count - begin, &f->sight_room, sizeof *f->sights);
 }
 
 /* The fold from the present patch, whose folds begin at BEGIN, to OTHER; NULL without room. */

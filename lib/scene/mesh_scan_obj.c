@@ -3,6 +3,7 @@
  */
 #include "mesh_polygon.h"
 
+#include "base/grow.h"
 #include "base/hash.h"
 #include "base/try.h"
 #include "mesh_scan.h"
@@ -79,13 +80,9 @@ static size_t drop_repeated(const uint32_t *facet, size_t corners, uint32_t *out
 /* Such a corner may lead to a hole and back: the outline is kept as it stands. */
 static asdic_status keep_outline(asdic_mesh_scan *scan, obj_state *state, size_t corners) {
     size_t needed = scan->outlines_size + 2 + corners;
-    if (needed > state->outlines_capacity) {
-        uint32_t *grown = realloc(scan->outlines, 2 * needed * sizeof *grown);
-        if (!grown) {
-            return asdic_fail_memory(scan->ctx, "the facets of an OBJ file");
-        }
-        scan->outlines = grown;
-        state->outlines_capacity = 2 * needed;
+    if (!asdic_reserve(&scan->outlines, needed, &state->outlines_capacity,
+                       sizeof *scan->outlines)) {
+        return asdic_fail_memory(scan->ctx, "the facets of an OBJ file");
     }
     uint32_t *out = scan->outlines + scan->outlines_size;
     out[0] = (uint32_t)(scan->facets - scan->degenerate);

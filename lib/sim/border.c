@@ -1,5 +1,7 @@
 #include "border.h"
 
+#include "base/grow.h"
+
 #include <stdlib.h>
 
 /* Triangles lie in one plane when their normals agree to this: what is left out is 80 dB below the edge of either. */
@@ -11,14 +13,8 @@ static int compare(asdic_vec3 a, asdic_vec3 b) {
 }
 
 bool asdic_border_add(asdic_border *b, const asdic_piece *side) {
-    if (b->count == b->capacity) {
-        size_t capacity = b->capacity ? 2 * b->capacity : 1024;
-        asdic_piece *sides = realloc(b->sides, capacity * sizeof *sides);
-        if (!sides) {
-            return false;
-        }
-        b->sides = sides;
-        b->capacity = capacity;
+    if (!asdic_grow(&b->sides, b->count, &b->capacity, sizeof *b->sides)) {
+        return false;
     }
     asdic_piece *own = &b->sides[b->count++];
     *own = *side;

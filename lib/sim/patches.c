@@ -4,6 +4,7 @@
 
 #include "aim.h"
 #include "base/context.h"
+#include "base/grow.h"
 #include "base/vec.h"
 #include "border.h"
 #include "piece.h"
@@ -110,15 +111,9 @@ static bool is_full(const finder *f) {
 
 static void add_patch(finder *f, const asdic_piece *p, uint32_t count) {
     asdic_patches *all = f->out;
-    if (all->count == all->capacity) {
-        size_t capacity = all->capacity ? 2 * all->capacity : 4096;
-        dev_patch *items = realloc(all->items, capacity * sizeof *items);
-        if (!items) {
-            all->out_of_memory = true;
-            return;
-        }
-        all->items = items;
-        all->capacity = capacity;
+    if (!asdic_grow(&all->items, all->count, &all->capacity, sizeof *all->items)) {
+        all->out_of_memory = true;
+        return;
     }
     const dev_uint *seed = f->sim->setup.ping.seed;
     bool plane = p->kind <= DEV_KIND_OBJECT && p->triangle == ~0u; /* lattices join */

@@ -1,6 +1,7 @@
 #include "points.h"
 
 #include "base/context.h"
+#include "base/grow.h"
 #include "base/try.h"
 #include "base/vec.h"
 #include "passage.h"
@@ -40,25 +41,20 @@ void asdic_points_finish(asdic_simulator *sim) {
 /* Makes room for a path more and its RAYS. */
 static asdic_status make_room(asdic_simulator *sim, size_t rays) {
     asdic_point_rays *p = &sim->points;
-    if (p->path_count >= p->path_capacity) {
-        size_t capacity = 2 * p->path_count + 1 + sim->setup.scene->point_count;
-        asdic_point_path *grown = realloc(p->paths, capacity * sizeof *grown);
-        p->paths = grown ? grown : p->paths;
-        p->path_capacity = grown ? capacity : p->path_capacity;
+    if (!asdic_grow(&p->paths, p->path_count, &p->path_capacity, sizeof *p->paths)) {
+        return asdic_fail_memory(sim->ctx, "point targets");
     }
-    if (p->ray_count + rays > p->ray_capacity) {
-        size_t capacity = 2 * p->ray_count + rays + sim->setup.scene->point_count;
-        dev_ray *grown = realloc(p->rays, capacity * sizeof *grown);
-        p->rays = grown ? grown : p->rays;
-        dev_hit *hits = realloc(p->hits, capacity * sizeof *hits);
-        p->hits = hits ? hits : p->hits;
-        p->ray_capacity = grown && hits ? capacity : p->ray_capacity;
+    size_t needed = p->ray_count + rays, hits = p->ray_capacity, capacity = p->ray_capacity;
+    if (needed > capacity) {
         asdic_buffer_destroy(&p->ray_buffer);
         asdic_buffer_destroy(&p->hit_buffer);
     }
-    return p->path_count < p->path_capacity && p->ray_count + rays <= p->ray_capacity
-               ? ASDIC_OK
-               : asdic_fail_memory(sim->ctx, "point targets");
+    if (!asdic_reserve(&p->rays, needed, &capacity, sizeof *p->rays) ||
+        !asdic_reserve(&p->hits, needed, &hits, sizeof *p->hits)) {
+        return asdic_fail_memory(sim->ctx, "point targets");
+    }
+    p->ray_capacity = capacity;
+    return ASDIC_OK;
 }
 
 static void add_ray(asdic_point_rays *p, triple origin, triple along, double t_max) {

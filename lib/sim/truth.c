@@ -1,6 +1,7 @@
 #include "truth.h"
 
 #include "base/context.h"
+#include "base/grow.h"
 #include "base/share.h"
 #include "base/try.h"
 #include "base/vec.h"
@@ -184,17 +185,14 @@ asdic_status asdic_truth_fetch(asdic_simulator *sim) {
 
 static asdic_status make_point_room(asdic_simulator *sim) {
     asdic_truth_rows *t = &sim->truth;
-    size_t room = t->point_count + t->point_count / 2 + sim->setup.scene->point_count;
     size_t row_bytes = sim->setup.sonar.receiver_count * sizeof *t->point_lin;
-    if (t->point_count < t->point_room) {
-        return ASDIC_OK;
+    size_t room = t->point_room, rows = t->point_room;
+    if (!asdic_grow(&t->points, t->point_count, &room, sizeof *t->points) ||
+        !asdic_grow(&t->point_lin, t->point_count, &rows, row_bytes)) {
+        return asdic_fail_memory(sim->ctx, "what points send back");
     }
-    asdic_truth_point *points = realloc(t->points, room * sizeof *points);
-    t->points = points ? points : t->points;
-    double *energies = realloc(t->point_lin, room * row_bytes);
-    t->point_lin = energies ? energies : t->point_lin;
-    t->point_room = points && energies ? room : t->point_room;
-    return points && energies ? ASDIC_OK : asdic_fail_memory(sim->ctx, "what points send back");
+    t->point_room = room;
+    return ASDIC_OK;
 }
 
 /* What comes to one bin in one way from one point, and arrives from one direction, is one row. */
