@@ -36,6 +36,11 @@
 
 #define TRACE_TOLERANCE 1e-4f
 
+/* Entries of a traversal's stack, at least 7 * depth + 8. */
+#ifndef TRACE_STACK
+#define TRACE_STACK 128
+#endif
+
 /* A function of its own, so that its arrays lie on the stack once: PoCL gives what it inlines into a
  * kernel a place for every work-item of the group, which then do not fit the cache. */
 #if defined(__clang__)

@@ -1,15 +1,9 @@
 /*
  * Nearest triangle along each ray. All forms give the same bytes; they differ in speed only.
  *
- *   -D TRACE_STACK=N   entries of the traversal stack, at least 7 * depth + 8
- *
  * EXTENT_M is the largest coordinate, by magnitude, of the scene's triangles. ROOT is a child
  * word: node 0, a leaf for a scene of one block, or DEV_EMPTY.
  */
-#ifndef TRACE_STACK
-#define TRACE_STACK 128
-#endif
-
 #include "types.h"
 #include "trace_wide8.h"
 

@@ -2,10 +2,6 @@
  * Nearest triangle along each ray, rays in packets: see trace.cl, whose bytes it gives. A program of its own,
  * compiled where there are rays enough for it to pay.
  */
-#ifndef TRACE_STACK
-#define TRACE_STACK 128
-#endif
-
 #include "types.h"
 #include "trace_hybrid.h"
 

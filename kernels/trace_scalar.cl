@@ -2,10 +2,6 @@
  * Nearest triangle along each ray, one ray a work-item: see trace.cl, whose bytes it gives. A
  * program of its own, so that no GPU compiles the wide forms.
  */
-#ifndef TRACE_STACK
-#define TRACE_STACK 128
-#endif
-
 #include "trace_scalar.h"
 #include "types.h"
 

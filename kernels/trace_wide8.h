@@ -24,11 +24,6 @@ static inline float along(vector v, uint k) {
     return k == 0 ? v.x : k == 1 ? v.y : v.z;
 }
 
-/* One over a direction's cosine, finite for those that are nearly zero. */
-static inline float inverse_of(float cosine) {
-    return 1.0f / (fabs(cosine) < 1e-18f ? (cosine < 0.0f ? -1e-18f : 1e-18f) : cosine);
-}
-
 static inline ray8 ray8_prepare(dev_ray ray, float extent_m) {
     ray8 r;
     vector o = vector_of(ray.origin[0], ray.origin[1], ray.origin[2]);
@@ -41,7 +36,7 @@ static inline ray8 ray8_prepare(dev_ray ray, float extent_m) {
         vector_of(nx ? r.hi_o.x : r.lo_o.x, ny ? r.hi_o.y : r.lo_o.y, nz ? r.hi_o.z : r.lo_o.z);
     r.far_o =
         vector_of(nx ? r.lo_o.x : r.hi_o.x, ny ? r.lo_o.y : r.hi_o.y, nz ? r.lo_o.z : r.hi_o.z);
-    r.inverse = vector_of(inverse_of(d.x), inverse_of(d.y), inverse_of(d.z));
+    r.inverse = vector_of(safe_inverse(d.x), safe_inverse(d.y), safe_inverse(d.z));
     r.near_x = nx ? 1 : 0;
     r.near_y = ny ? 3 : 2;
     r.near_z = nz ? 5 : 4;
