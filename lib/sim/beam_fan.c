@@ -3,11 +3,11 @@
 #include "aim.h"
 #include "base/context.h"
 #include "base/try.h"
-#include "base/vec.h"
+#include "simulator.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 /* With fewer receivers arrivals are added group by group (collect.cl), and the groups tell the error. */
 #define LEAST_RECEIVERS 16
@@ -48,22 +48,24 @@ void asdic_beam_fan_plan(const asdic_sonar *sonar, asdic_beam_fan *fan) {
     fan->common_axis = fan->many && have_common_axis(sonar->receivers, sonar->receiver_count);
 }
 
-asdic_status asdic_beam_fan_init(asdic_beam_fan *fan, asdic_device *device,
-                                 const asdic_beam_fan_size *size) {
+asdic_status asdic_beam_fan_init(asdic_simulator *sim) {
+    asdic_beam_fan *fan = &sim->fan;
+    const asdic_setup *setup = &sim->setup;
     if (!fan->many) {
         return ASDIC_OK;
     }
+    bool truth = setup->sampling.truth, layers = sim->kernels.volume != NULL;
     char options[160];
-    bool wide = size->width > 1;
-    size_t tiles = (size->receivers + DEV_FAN_TILE - 1) / DEV_FAN_TILE;
-    size_t most = MOST_COUNTS / size->bins + 1, blocks = wide ? FEW_BLOCKS : MANY_BLOCKS;
+    bool wide = setup->layout.width > 1;
+    size_t tiles = (setup->sonar.receiver_count + DEV_FAN_TILE - 1) / DEV_FAN_TILE;
+    size_t most = MOST_COUNTS / setup->bins + 1, blocks = wide ? FEW_BLOCKS : MANY_BLOCKS;
     fan->blocks = (unsigned)(blocks < most ? blocks : most);
     fan->width = wide ? 16 : 1;
     snprintf(options, sizeof options,
              "-D ASDIC_WIDTH=%u -D ASDIC_COMPONENTS=%zu -D ASDIC_HAS_MIRRORS=%d "
              "-D ASDIC_COMMON_AXIS=%d -D ASDIC_LAYERS=%d%s",
-             fan->width, size->components, size->mirrors, fan->common_axis, size->layers,
-             size->truth ? " -D ASDIC_TRUTH=1" : "");
+             fan->width, setup->components, setup->has_mirrors, fan->common_axis, layers,
+             truth ? " -D ASDIC_TRUTH=1" : "");
     const struct {
         const char *name;
         asdic_kernel **kernel;
@@ -72,26 +74,27 @@ asdic_status asdic_beam_fan_init(asdic_beam_fan *fan, asdic_device *device,
                    {"fan_scatter", &fan->scatter},
                    {"fan_runs", &fan->runs},
                    {"fan_project", &fan->project}};
-    size_t entry = size->truth ? TRUTH_ENTRY_BYTES : ENTRY_BYTES;
+    size_t entry = truth ? TRUTH_ENTRY_BYTES : ENTRY_BYTES;
     /* A mirror's arrivals are up to three entries more; those of water one a deposit. */
-    size_t entries = (size->mirrors ? 4 : 1) + (size->layers ? 4 * DEV_WATER_SETS : 0);
+    size_t entries = (setup->has_mirrors ? 4 : 1) + (layers ? 4 * DEV_WATER_SETS : 0);
     const struct {
         size_t bytes;
         asdic_buffer **buffer;
-    } buffers[] = {{size->bins * fan->blocks * sizeof(uint32_t), &fan->counts},
+    } buffers[] = {{setup->bins * fan->blocks * sizeof(uint32_t), &fan->counts},
                    {sizeof(uint32_t), &fan->made},
-                   {size->bins * LIST_BYTES, &fan->lists},
-                   {size->slots * entries * entry, &fan->entries}};
+                   {setup->bins * LIST_BYTES, &fan->lists},
+                   {setup->groups * setup->per_group * entries * entry, &fan->entries}};
     fan->fetches = calloc(2 * tiles, sizeof *fan->fetches);
     if (!fan->fetches || pthread_mutex_init(&fan->lock, NULL) != 0) {
-        return asdic_fail_memory(asdic_device_context(device), "a fan");
+        return asdic_fail_memory(sim->ctx, "a fan");
     }
     fan->tiles = tiles; /* and the lock is there */
     for (size_t i = 0; i < sizeof kernels / sizeof *kernels; i++) {
-        TRY(asdic_kernel_create(device, "fan.cl", options, kernels[i].name, kernels[i].kernel));
+        TRY(asdic_kernel_create(sim->device, "fan.cl", options, kernels[i].name,
+                                kernels[i].kernel));
     }
     for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++) {
-        TRY(asdic_buffer_create(device, buffers[i].bytes, NULL, buffers[i].buffer));
+        TRY(asdic_buffer_create(sim->device, buffers[i].bytes, NULL, buffers[i].buffer));
     }
     return ASDIC_OK;
 }
@@ -119,41 +122,33 @@ void asdic_beam_fan_finish(asdic_beam_fan *fan) {
     asdic_buffer_destroy(&fan->entries);
 }
 
-void asdic_beam_fan_describe(const asdic_beam_fan *fan, const dev_beam *beams, dev_ping *ping) {
-    if (fan->common_axis) {
-        memcpy(ping->fan_rows, beams[1].rows, sizeof ping->fan_rows);
-    }
-}
-
-size_t asdic_beam_fan_results(const asdic_beam_fan *fan, size_t beams) {
-    return beams * fan->sums * fan->row;
-}
-
 const float *asdic_beam_fan_row(const asdic_beam_fan *fan, const void *results, size_t beam,
                                 size_t sum) {
     return (const float *)results + (beam * fan->sums + sum) * fan->row;
 }
 
 /* Sorts arrivals into lists of entries, a list for every bin. */
-static asdic_status sort(asdic_beam_fan *fan, const dev_ping *ping, asdic_buffer *ping_buffer,
-                         asdic_buffer *arrivals) {
+static asdic_status sort(asdic_simulator *sim) {
+    const asdic_beam_fan *fan = &sim->fan;
+    asdic_buffer *pings = sim->buffers.pings, *arrivals = sim->buffers.arrivals;
+    size_t bins = sim->setup.bins;
     dev_uint blocks = fan->blocks;
     size_t local = fan->width > 1 ? 1 : 64;
-    asdic_kernel_arg count[] = {ASDIC_ARG_BUFFER(ping_buffer), ASDIC_ARG_BUFFER(arrivals),
+    asdic_kernel_arg count[] = {ASDIC_ARG_BUFFER(pings), ASDIC_ARG_BUFFER(arrivals),
                                 ASDIC_ARG_BUFFER(fan->counts), ASDIC_ARG_BUFFER(fan->made),
                                 ASDIC_ARG_VALUE(blocks)};
-    asdic_kernel_arg place[] = {ASDIC_ARG_BUFFER(ping_buffer), ASDIC_ARG_BUFFER(fan->counts),
+    asdic_kernel_arg place[] = {ASDIC_ARG_BUFFER(pings), ASDIC_ARG_BUFFER(fan->counts),
                                 ASDIC_ARG_BUFFER(fan->lists), ASDIC_ARG_BUFFER(fan->made),
                                 ASDIC_ARG_VALUE(blocks)};
-    asdic_kernel_arg scatter[] = {ASDIC_ARG_BUFFER(ping_buffer), ASDIC_ARG_BUFFER(arrivals),
+    asdic_kernel_arg scatter[] = {ASDIC_ARG_BUFFER(pings), ASDIC_ARG_BUFFER(arrivals),
                                   ASDIC_ARG_BUFFER(fan->counts), ASDIC_ARG_BUFFER(fan->entries),
                                   ASDIC_ARG_VALUE(blocks)};
-    asdic_kernel_arg runs[] = {ASDIC_ARG_BUFFER(ping_buffer), ASDIC_ARG_BUFFER(fan->entries),
+    asdic_kernel_arg runs[] = {ASDIC_ARG_BUFFER(pings), ASDIC_ARG_BUFFER(fan->entries),
                                ASDIC_ARG_BUFFER(fan->lists)};
     TRY(asdic_kernel_run(fan->count, count, 5, blocks, local));
-    TRY(asdic_kernel_run(fan->place, place, 5, ping->bins, 64));
+    TRY(asdic_kernel_run(fan->place, place, 5, bins, 64));
     TRY(asdic_kernel_run(fan->scatter, scatter, 5, blocks, local));
-    return fan->width > 1 ? asdic_kernel_run(fan->runs, runs, 3, ping->bins, local) : ASDIC_OK;
+    return fan->width > 1 ? asdic_kernel_run(fan->runs, runs, 3, bins, local) : ASDIC_OK;
 }
 
 /* To BUFFER's memory on the host. */
@@ -163,26 +158,31 @@ static asdic_status fetch_part(asdic_buffer *buffer, size_t offset, size_t bytes
     return asdic_buffer_fetch(buffer, offset, bytes, memory + offset, fetch);
 }
 
-asdic_status asdic_beam_fan_project(asdic_beam_fan *fan, const dev_ping *ping,
-                                    asdic_buffer *ping_buffer, asdic_buffer *arrivals,
-                                    asdic_buffer *results, const asdic_fan_truth *truth) {
-    size_t rows = fan->sums * fan->row;
+asdic_status asdic_beam_fan_project(asdic_simulator *sim, asdic_buffer *truth) {
+    asdic_beam_fan *fan = &sim->fan;
+    const dev_ping *ping = sim->shots[0].ping;
+    asdic_buffer *pings = sim->buffers.pings, *results = sim->buffers.results;
+    size_t rows = fan->sums * fan->row, truth_bytes = sim->truth.bytes / fan->tiles;
     bool wide = fan->width > 1;
     size_t items = wide ? (ping->bins + 15) / 16 : ping->bins * (size_t)DEV_FAN_TILE;
     dev_uint add = ping->batch.first != 0;
     atomic_store(&fan->fetched, 0);
-    TRY(sort(fan, ping, ping_buffer, arrivals));
+    TRY(sort(sim));
     for (dev_uint tile = 0; tile < fan->tiles; tile++) {
-        asdic_kernel_arg args[] = {ASDIC_ARG_BUFFER(ping_buffer), ASDIC_ARG_BUFFER(fan->entries),
-                                   ASDIC_ARG_BUFFER(fan->lists),  ASDIC_ARG_BUFFER(results),
-                                   ASDIC_ARG_VALUE(tile),         ASDIC_ARG_VALUE(add),
-                                   ASDIC_ARG_BUFFER(truth->rows), ASDIC_ARG_BUFFER(truth->cells)};
+        asdic_kernel_arg args[] = {ASDIC_ARG_BUFFER(pings),
+                                   ASDIC_ARG_BUFFER(fan->entries),
+                                   ASDIC_ARG_BUFFER(fan->lists),
+                                   ASDIC_ARG_BUFFER(results),
+                                   ASDIC_ARG_VALUE(tile),
+                                   ASDIC_ARG_VALUE(add),
+                                   ASDIC_ARG_BUFFER(sim->truth.table_buffer),
+                                   ASDIC_ARG_BUFFER(truth)};
         TRY(asdic_kernel_run(fan->project, args, 8, items, wide ? 1 : 64));
         size_t first = (size_t)tile * DEV_FAN_TILE, left = ping->beams - first;
         size_t bytes = (left < DEV_FAN_TILE ? left : DEV_FAN_TILE) * rows * sizeof(float);
         if (ping->batch.last) {
             TRY(fetch_part(results, first * rows * sizeof(float), bytes, &fan->fetches[tile]));
-            TRY(fetch_part(truth->cells, tile * truth->tile_bytes, truth->tile_bytes,
+            TRY(fetch_part(truth, tile * truth_bytes, truth_bytes,
                            &fan->fetches[fan->tiles + tile]));
         }
     }

@@ -37,36 +37,14 @@ bool asdic_beam_fan_is_wanted(const asdic_sonar *sonar);
 /* Fills MANY and COMMON_AXIS. */
 void asdic_beam_fan_plan(const asdic_sonar *sonar, asdic_beam_fan *fan);
 
-/* What a fan's kernels and buffers are made for. */
-typedef struct asdic_beam_fan_size {
-    size_t receivers, bins, components, slots; /* slots: of rays */
-    bool mirrors, layers, truth;
-    unsigned width; /* of the ray kernels' vectors */
-} asdic_beam_fan_size;
-
-/* Kernels and buffers; nothing where receivers are few. */
-asdic_status asdic_beam_fan_init(asdic_beam_fan *fan, asdic_device *device,
-                                 const asdic_beam_fan_size *size);
+/* Kernels and buffers of SIM's fan; nothing where receivers are few. */
+asdic_status asdic_beam_fan_init(asdic_simulator *sim);
 void asdic_beam_fan_finish(asdic_beam_fan *fan);
 
-/* The frame of the common axis of a ping whose beams (transmitter first) are aimed. */
-void asdic_beam_fan_describe(const asdic_beam_fan *fan, const dev_beam *beams, dev_ping *ping);
-
-/* Where the truth of a ping's rows goes (kernels/truth.h), TILE_BYTES of every tile. */
-typedef struct asdic_fan_truth {
-    asdic_buffer *rows, *cells;
-    size_t tile_bytes;
-} asdic_fan_truth;
-
-/* Enqueues the sums of one batch's ARRIVALS, added to those of the batches before, in RESULTS: rows
- * [beam][sum], and in the TRUTH's cells. After the last batch they are fetched to these buffers' memory on the host, tile by
- * tile. */
-asdic_status asdic_beam_fan_project(asdic_beam_fan *fan, const dev_ping *ping,
-                                    asdic_buffer *ping_buffer, asdic_buffer *arrivals,
-                                    asdic_buffer *results, const asdic_fan_truth *truth);
-
-/* Floats of all results. */
-size_t asdic_beam_fan_results(const asdic_beam_fan *fan, size_t beams);
+/* Enqueues the sums of one batch's arrivals, added to those of the batches before: rows [beam][sum] of the results, and
+ * TRUTH, the cells of a ping's rows (kernels/truth.h). After the last batch they are fetched to these buffers' memory on the
+ * host, tile by tile. */
+asdic_status asdic_beam_fan_project(asdic_simulator *sim, asdic_buffer *truth);
 
 /* SUM of BEAM by bins, in RESULTS that have come to the host. */
 const float *asdic_beam_fan_row(const asdic_beam_fan *fan, const void *results, size_t beam,

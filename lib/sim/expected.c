@@ -172,21 +172,30 @@ static double volume_energy(integrand *in, double begin_m, double end_m) {
     return in->laws->volume_lin * sum;
 }
 
-static void compute_beam(asdic_context *ctx, const asdic_flat_laws *laws, const asdic_sonar *sonar,
-                         const asdic_ring_profile *profile, bool is_quick, asdic_ping *ping,
-                         size_t beam) {
-    double cycles = asdic_ring_profile_cycles(profile);
+/* Beams that are computed on threads. */
+typedef struct beams_job {
+    asdic_context *ctx;
+    const asdic_flat_laws *laws;
+    const asdic_sonar *sonar;
+    const asdic_bent_view *view;
+    asdic_ping *ping;
+} beams_job;
+
+static void compute_beam(const beams_job *j, size_t beam) {
+    const asdic_flat_laws *laws = j->laws;
+    const asdic_sonar *sonar = j->sonar;
+    asdic_ping *ping = j->ping;
     integrand bottom = {.laws = laws,
-                        .profile = profile,
+                        .profile = j->view->profiles[beam],
                         .height_m = laws->flat.altitude_m,
-                        .is_quick = is_quick,
-                        .cycles = cycles,
+                        .is_quick = j->view->is_quick,
+                        .cycles = asdic_ring_cycles(&j->view->rings[beam]),
                         .knots = laws->flat.has_bottom ? asdic_scatterer_knots(&laws->bottom) : 0};
     integrand surface = bottom;
     surface.surface = true;
     surface.height_m = laws->flat.depth_m;
     surface.knots = laws->flat.has_surface ? asdic_scatterer_knots(&laws->surface) : 0;
-    for (size_t n = 0; n < ping->bins && !asdic_context_interrupted(ctx); n++) {
+    for (size_t n = 0; n < ping->bins && !asdic_context_interrupted(j->ctx); n++) {
         double begin = fmax((double)n * sonar->bin_length_m, sonar->blanking_m);
         double end = (double)(n + 1) * sonar->bin_length_m;
         size_t at = beam * ping->bins + n;
@@ -248,21 +257,11 @@ static asdic_ring aim(const asdic_sonar *sonar, size_t receiver, const asdic_pos
                         pow(10.0, 0.1 * sonar->rear_floor_db)};
 }
 
-/* Beams that are computed on threads. */
-typedef struct beams_job {
-    asdic_context *ctx;
-    const asdic_flat_laws *laws;
-    const asdic_sonar *sonar;
-    asdic_ring_profile *const *profiles;
-    bool is_quick;
-    asdic_ping *ping;
-} beams_job;
-
 static void compute_beams(void *user, unsigned worker, size_t first, size_t end) {
     const beams_job *j = user;
     (void)worker;
     for (size_t b = first; b < end; b++) {
-        compute_beam(j->ctx, j->laws, j->sonar, j->profiles[b], j->is_quick, j->ping, b);
+        compute_beam(j, b);
     }
 }
 
@@ -270,7 +269,7 @@ static void compute_beams(void *user, unsigned worker, size_t first, size_t end)
 static asdic_status compute_straight(asdic_context *ctx, const asdic_flat_laws *laws,
                                      const asdic_sonar *sonar, const asdic_bent_view *view,
                                      asdic_ping *ping) {
-    beams_job j = {ctx, laws, sonar, view->profiles, view->is_quick, ping};
+    beams_job j = {ctx, laws, sonar, view, ping};
     asdic_share(asdic_processors(), ping->beams, 1, compute_beams, &j);
     return asdic_context_interrupted(ctx) ? asdic_fail(ctx, ASDIC_ERROR_INTERRUPTED, "interrupted")
                                           : ASDIC_OK;

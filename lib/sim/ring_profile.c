@@ -230,7 +230,3 @@ double asdic_ring_profile_solid_angle(const asdic_ring_profile *profile, double 
     const piece *found = find_piece(profile, elevation_rad, &x);
     return found->before + evaluate(found->integral, TERMS + 1, x);
 }
-
-double asdic_ring_profile_cycles(const asdic_ring_profile *profile) {
-    return asdic_ring_cycles(&profile->ring);
-}

@@ -24,7 +24,4 @@ double asdic_ring_profile_sum(const asdic_ring_profile *profile, double elevatio
  * that elevation (positive looks down), sr. */
 double asdic_ring_profile_solid_angle(const asdic_ring_profile *profile, double elevation_rad);
 
-/* Cycles of the two-way pattern in a radian of elevation. */
-double asdic_ring_profile_cycles(const asdic_ring_profile *profile);
-
 #endif

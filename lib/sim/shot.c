@@ -389,7 +389,9 @@ static void aim_beams(const asdic_simulator *sim, const asdic_ping_shot *shot) {
     asdic_aim_side(&beams[0], false, ping->sampling.sender_y);
     asdic_aim_side(&beams[0], true, ping->sampling.sender_z);
     ping->sampling.front_azimuth_rad = atan2f(ping->sampling.front[1], ping->sampling.front[0]);
-    asdic_beam_fan_describe(&sim->fan, beams, ping);
+    if (sim->fan.common_axis) {
+        memcpy(ping->fan_rows, beams[1].rows, sizeof ping->fan_rows);
+    }
 }
 
 void asdic_shot_aim(const asdic_simulator *sim, asdic_ping_shot *shot, const asdic_pose *pose,

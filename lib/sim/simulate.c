@@ -279,10 +279,7 @@ static asdic_status run_batch(asdic_simulator *sim, size_t count) {
         TRY(run_collect(sim, count));
     }
     if (sim->fan.many) {
-        const asdic_fan_truth truth = {sim->truth.table_buffer, truth_cells(sim),
-                                       sim->truth.bytes / sim->fan.tiles};
-        TRY(asdic_beam_fan_project(&sim->fan, sim->shots[0].ping, sim->buffers.pings,
-                                   sim->buffers.arrivals, sim->buffers.results, &truth));
+        TRY(asdic_beam_fan_project(sim, truth_cells(sim)));
     }
     return sim->kernels.collect || sim->fan.many ? end_phase(sim, ASDIC_PHASE_COLLECT) : ASDIC_OK;
 }

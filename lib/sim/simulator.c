@@ -118,15 +118,7 @@ static asdic_status create_kernels(asdic_simulator *sim) {
         TRY(asdic_kernel_create(sim->device, wanted[i].file, wanted[i].options, wanted[i].name,
                                 wanted[i].kernel));
     }
-    const asdic_beam_fan_size size = {.receivers = sim->setup.sonar.receiver_count,
-                                      .bins = sim->setup.bins,
-                                      .components = sim->setup.components,
-                                      .slots = sim->setup.groups * sim->setup.per_group,
-                                      .mirrors = sim->setup.has_mirrors,
-                                      .truth = sim->setup.sampling.truth,
-                                      .layers = sim->kernels.volume != NULL,
-                                      .width = sim->setup.layout.width};
-    return asdic_beam_fan_init(&sim->fan, sim->device, &size);
+    return asdic_beam_fan_init(sim);
 }
 
 bool asdic_simulator_has(const asdic_simulator *sim, unsigned kind) {
@@ -572,16 +564,10 @@ void asdic_simulator_destroy(asdic_simulator **pointer) {
     if (sim->device) {
         asdic_device_finish(sim->device); /* it may still read what a failed ping sent */
     }
-    asdic_kernel_destroy(&sim->kernels.sample);
-    asdic_kernel_destroy(&sim->kernels.shade);
-    asdic_kernel_destroy(&sim->kernels.volume);
-    asdic_kernel_destroy(&sim->kernels.advance);
-    asdic_kernel_destroy(&sim->kernels.collect);
-    asdic_kernel_destroy(&sim->kernels.suffix);
-    asdic_kernel_destroy(&sim->kernels.reduce);
-    asdic_kernel_destroy(&sim->kernels.pilot);
-    asdic_kernel_destroy(&sim->kernels.connect);
-    asdic_kernel_destroy(&sim->kernels.bounce);
+    asdic_kernel **kernels = (asdic_kernel **)&sim->kernels;
+    for (size_t i = 0; i < sizeof sim->kernels / sizeof *kernels; i++) {
+        asdic_kernel_destroy(&kernels[i]);
+    }
     asdic_beam_fan_finish(&sim->fan);
     asdic_quadrature_finish(&sim->quadrature);
     asdic_speckle_destroy(&sim->speckle);

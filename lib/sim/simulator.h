@@ -122,7 +122,7 @@ typedef struct asdic_setup {
     dev_ping ping;               /* the members that are the same in every ping */
 } asdic_setup;
 
-/* Those that a simulator does not need are NULL. */
+/* Those that a simulator does not need are NULL; kernels alone: they are destroyed as an array. */
 typedef struct asdic_kernels {
     asdic_kernel *sample, *pilot, *shade;
     asdic_kernel *advance, *volume; /* layers */

@@ -18,7 +18,7 @@ size_t asdic_simulator_ping_bytes(const asdic_simulator *sim) {
 /* Sums, one word of cut deposits, spreads, in whole words; of a fan: sums as floats. */
 size_t asdic_simulator_results_bytes(const asdic_simulator *sim) {
     if (sim->fan.many) {
-        return asdic_beam_fan_results(&sim->fan, sim->setup.sonar.receiver_count) * sizeof(float);
+        return sim->setup.sonar.receiver_count * sim->fan.sums * sim->fan.row * sizeof(float);
     }
     return (sim->setup.components * sim->setup.cells + 1 + (sim->setup.cells + 1) / 2) *
            sizeof(int64_t);
