@@ -135,7 +135,5 @@ int main(int argc, char **argv) {
     }
     vector_path = slash ? slash + 1 : vector_path;
     const struct CMUnitTest tests[] = {cmocka_unit_test(formulas_meet_independent_values)};
-    int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    test_device_close(&place);
-    return failed;
+    return test_device_end(&place, cmocka_run_group_tests(tests, NULL, NULL));
 }

@@ -160,11 +160,7 @@ double hard_wrong_input(void) {
 /* In single precision a sum stops growing at 2^24 equal terms: 0.05 dB are lost after ten million. */
 double hard_one_bin(void) {
     ping_rig r = rig_create(&hard_device);
-    asdic_flat_scene flat = {.has_surface = true,
-                             .has_bottom = true,
-                             .altitude_m = 5.0,
-                             .depth_m = 7.0,
-                             .bottom = asdic_material_bottom(2.0)};
+    asdic_flat_scene flat = rig_flat(&r);
     asdic_ping *truth = NULL;
     r.sonar.receiver_count = 1;
     r.sonar.bin_length_m = 37.0;

@@ -11,11 +11,7 @@ typedef struct difference {
 #define ALL_BINS 0, SIZE_MAX
 
 static asdic_ping *expectation(const ping_rig *r, size_t bins) {
-    asdic_flat_scene flat = {.has_surface = true,
-                             .has_bottom = true,
-                             .altitude_m = 12.0 - r->pose.position_m.z,
-                             .depth_m = r->pose.position_m.z,
-                             .bottom = asdic_material_bottom(2.0)};
+    asdic_flat_scene flat = rig_flat(r);
     asdic_ping *ping = NULL;
     assert_ok(r->device->ctx,
               asdic_ping_create(r->device->ctx, r->sonar.receiver_count, bins, &ping));

@@ -65,12 +65,33 @@ static inline asdic_simulator *rig_simulator(ping_rig *r) {
     return sim;
 }
 
-/* A ping of a new simulator, learnt when LEARN. */
-static inline asdic_ping *rig_shoot(ping_rig *r, uint64_t index, bool learn) {
-    asdic_simulator *sim = rig_simulator(r);
+/* An empty scene with a surface, instead of what there was. */
+static inline void rig_empty(ping_rig *r) {
+    asdic_scene_destroy(&r->scene);
+    assert_ok(r->device->ctx, asdic_scene_create(r->device->ctx, &r->scene));
+}
+
+/* The first scenario as quadrature takes it. */
+static inline asdic_flat_scene rig_flat(const ping_rig *r) {
+    return (asdic_flat_scene){.has_surface = true,
+                              .has_bottom = true,
+                              .altitude_m = 12.0 - r->pose.position_m.z,
+                              .depth_m = r->pose.position_m.z,
+                              .bottom = asdic_material_bottom(2.0)};
+}
+
+/* As SIM fills it. */
+static inline asdic_ping *rig_ping(const ping_rig *r, const asdic_simulator *sim) {
     asdic_ping *ping = NULL;
     assert_ok(r->device->ctx, asdic_ping_create(r->device->ctx, r->sonar.receiver_count,
                                                 asdic_simulator_bin_count(sim), &ping));
+    return ping;
+}
+
+/* A ping of a new simulator, learnt when LEARN. */
+static inline asdic_ping *rig_shoot(ping_rig *r, uint64_t index, bool learn) {
+    asdic_simulator *sim = rig_simulator(r);
+    asdic_ping *ping = rig_ping(r, sim);
     if (learn) {
         assert_ok(r->device->ctx, asdic_simulator_learn(sim, &r->pose, index));
     }

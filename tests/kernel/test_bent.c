@@ -364,8 +364,7 @@ static void what_moves_is_in_no_other_layer(void **state) {
     const asdic_pose at = {{14.0, 0.0, 10.0}, 0.0, 0.0, 0.4};
     r.env.sound_speed_profile =
         (asdic_sound_profile){4, {0.0, 6.0, 9.0, 12.0}, {1500.0, 1499.0, 1490.0, 1489.0}};
-    asdic_scene_destroy(&r.scene);
-    assert_ok(t.ctx, asdic_scene_create(t.ctx, &r.scene));
+    rig_empty(&r);
     assert_ok(t.ctx, asdic_mesh_box(t.ctx, (asdic_vec3){6.0, 6.0, 1.0}, &mesh));
     assert_ok(t.ctx,
               asdic_scene_add_moving_object(r.scene, "box", mesh, at, asdic_material_bottom(2.0)));
@@ -467,8 +466,7 @@ static void a_steep_thermocline_meets_quadrature(void **state) {
     (void)state;
     for (int k = 0; k < 2; k++) {
         ping_rig r = bent_rig(0.0, 1u << 16);
-        asdic_scene_destroy(&r.scene);
-        assert_ok(t.ctx, asdic_scene_create(t.ctx, &r.scene));
+        rig_empty(&r);
         r.env.sound_speed_profile = (asdic_sound_profile){
             4, {0.0, 6.5, 7.5, 60.0}, {1500.0, 1500.0, below_mps[k], below_mps[k]}};
         asdic_flat_scene flat = {.has_surface = true, .depth_m = r.pose.position_m.z};
@@ -527,8 +525,7 @@ static void planes_far_beyond_a_thermocline_are_met(void **state) {
         r.sonar.frequency_hz = 3e4;
         r.sonar.transmitter.pitch_rad = (below ? 60.0 : -60.0) * RIG_DEGREE;
         r.receivers[0] = r.sonar.transmitter;
-        asdic_scene_destroy(&r.scene);
-        assert_ok(t.ctx, asdic_scene_create(t.ctx, &r.scene));
+        rig_empty(&r);
         assert_ok(t.ctx, asdic_scene_set_bottom_plane(r.scene, 320.0, asdic_material_bottom(2.0)));
         asdic_flat_scene flat = {.has_surface = true,
                                  .has_bottom = true,
@@ -687,8 +684,7 @@ static void impossible_open_water_is_refused(void **state) {
         ping_rig r = bent_rig(cases[k].gradient_per_s, 1024u);
         asdic_simulator *sim = NULL;
         asdic_ping *truth = NULL;
-        asdic_scene_destroy(&r.scene);
-        assert_ok(t.ctx, asdic_scene_create(t.ctx, &r.scene));
+        rig_empty(&r);
         assert_ok(t.ctx, asdic_scene_commit(r.scene));
         r.env.sound_speed_mps = 1490.0;
         r.sonar.max_range_m = 60.0;
@@ -753,7 +749,5 @@ int main(int argc, char **argv) {
         cmocka_unit_test(impossible_water_is_refused),
         cmocka_unit_test(impossible_open_water_is_refused),
     };
-    int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    test_device_close(&t);
-    return failed;
+    return test_device_end(&t, cmocka_run_group_tests(tests, NULL, NULL));
 }

@@ -383,7 +383,5 @@ int main(int argc, char **argv) {
         cmocka_unit_test(many_layers_mirror_as_none),
         cmocka_unit_test(shadows_are_heard_by_mirrors_alone),
     };
-    int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    test_device_close(&t);
-    return failed;
+    return test_device_end(&t, cmocka_run_group_tests(tests, NULL, NULL));
 }

@@ -415,7 +415,5 @@ int main(void) {
         cmocka_unit_test(points_hide_behind_planes),
         cmocka_unit_test(points_are_heard_over_mirrors),
     };
-    int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    test_device_close(&t);
-    return failed;
+    return test_device_end(&t, cmocka_run_group_tests(tests, NULL, NULL));
 }

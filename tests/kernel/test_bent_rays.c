@@ -348,7 +348,5 @@ int main(int argc, char **argv) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(hits_solve_the_equation),
                                        cmocka_unit_test(no_corner_is_missed),
                                        cmocka_unit_test(hits_are_of_rays_that_were_cast)};
-    int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    test_device_close(&t);
-    return failed;
+    return test_device_end(&t, cmocka_run_group_tests(tests, NULL, NULL));
 }

@@ -116,8 +116,7 @@ static double floor_brightness(double depth_m) {
     const double v[] = {-90, -90, depth_m, 90, -90, depth_m, 90, 90, depth_m, -90, 90, depth_m};
     static const uint32_t index[] = {0, 2, 1, 0, 3, 2};
     asdic_mesh *mesh = NULL;
-    asdic_scene_destroy(&r.scene);
-    assert_ok(t.ctx, asdic_scene_create(t.ctx, &r.scene));
+    rig_empty(&r);
     assert_ok(t.ctx, asdic_mesh_from_triangles(t.ctx, v, 4, index, 2, &mesh));
     assert_ok(t.ctx,
               asdic_scene_add_bottom(r.scene, mesh, (asdic_pose){0}, asdic_material_bottom(2.0)));
@@ -337,7 +336,5 @@ int main(void) {
         cmocka_unit_test(the_vehicle_has_fins),
         cmocka_unit_test(a_beam_glows_as_far_as_one_looks_through_it),
     };
-    int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    test_device_close(&t);
-    return failed;
+    return test_device_end(&t, cmocka_run_group_tests(tests, NULL, NULL));
 }

@@ -550,7 +550,5 @@ int main(void) {
         cmocka_unit_test(a_ping_may_have_no_scatterer),
         cmocka_unit_test(boundaries_that_mirror_scatter_as_before),
     };
-    int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    test_device_close(&t);
-    return failed;
+    return test_device_end(&t, cmocka_run_group_tests(tests, NULL, NULL));
 }

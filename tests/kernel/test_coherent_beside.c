@@ -310,7 +310,5 @@ int main(int argc, char **argv) {
         cmocka_unit_test(bins_of_two_short_looks),
         cmocka_unit_test(bins_of_other_lengths),
     };
-    int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    test_device_close(&t);
-    return failed;
+    return test_device_end(&t, cmocka_run_group_tests(tests, NULL, NULL));
 }

@@ -765,7 +765,5 @@ int main(void) {
         cmocka_unit_test(nothing_goes_through_a_plate),
         cmocka_unit_test(a_point_on_a_wall_is_heard),
     };
-    int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    test_device_close(&t);
-    return failed;
+    return test_device_end(&t, cmocka_run_group_tests(tests, NULL, NULL));
 }

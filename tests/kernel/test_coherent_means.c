@@ -105,8 +105,7 @@ static void add_terrain(ping_rig *r) {
     asdic_mesh *mesh = NULL;
     assert_ok(t.ctx, asdic_mesh_from_triangles(t.ctx, vertices, SIDE * SIDE, corners,
                                                sizeof corners / sizeof *corners / 3, &mesh));
-    asdic_scene_destroy(&r->scene);
-    assert_ok(t.ctx, asdic_scene_create(t.ctx, &r->scene));
+    rig_empty(r);
     assert_ok(t.ctx,
               asdic_scene_add_bottom(r->scene, mesh, (asdic_pose){0}, asdic_material_bottom(2.0)));
     asdic_mesh_destroy(&mesh);
@@ -160,8 +159,7 @@ static void ways_of_one_length_add_in_phase(void **state) {
     const uint64_t pings = full ? 400 : 60;
     ping_rig r = wide_band();
     asdic_mesh *mesh = NULL;
-    asdic_scene_destroy(&r.scene);
-    assert_ok(t.ctx, asdic_scene_create(t.ctx, &r.scene));
+    rig_empty(&r);
     asdic_scene_set_surface(r.scene, true);
     assert_ok(t.ctx, asdic_mesh_sphere(t.ctx, 1.0, 64, &mesh));
     asdic_pose pose = {.position_m = {16.0, 0.0, 6.0}};
@@ -221,8 +219,7 @@ static void water_is_heard_by_way_of_the_surface(void **state) {
     const uint64_t pings = full ? 100 : 8;
     for (int up = 0; up < 2; up++) {
         ping_rig r = hears_alike(up);
-        asdic_scene_destroy(&r.scene);
-        assert_ok(t.ctx, asdic_scene_create(t.ctx, &r.scene));
+        rig_empty(&r);
         asdic_scene_set_surface(r.scene, true);
         r.env.particle_strength_db = -50.0;
         r.sampling.left_out = 1u << ASDIC_TERM_SURFACE;
@@ -371,7 +368,5 @@ int main(int argc, char **argv) {
         cmocka_unit_test(what_lies_behind_is_heard_by_way_of_a_mirror),
         cmocka_unit_test(beams_take_in_what_their_weights_say),
     };
-    int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    test_device_close(&t);
-    return failed;
+    return test_device_end(&t, cmocka_run_group_tests(tests, NULL, NULL));
 }

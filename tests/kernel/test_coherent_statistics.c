@@ -51,11 +51,7 @@ static void the_mean_is_that_of_intensities(void **state) {
     }
     asdic_sonar one = r.sonar;
     one.receivers = &r.sonar.array.element;
-    asdic_flat_scene flat = {.has_surface = true,
-                             .has_bottom = true,
-                             .altitude_m = 5.0,
-                             .depth_m = 7.0,
-                             .bottom = asdic_material_bottom(2.0)};
+    asdic_flat_scene flat = rig_flat(&r);
     assert_ok(t.ctx, asdic_expected_compute(t.ctx, &flat, &r.env, &one, &r.pose, expected));
     double squares = 0.0, offset = 0.0, worst = 0.0, pulse = 1500.0 / (2.0 * 40e3);
     size_t count = 0;
@@ -509,7 +505,5 @@ int main(int argc, char **argv) {
         cmocka_unit_test(speckle_stays_on_the_bottom),
         cmocka_unit_test(speckle_turns_as_it_comes_nearer),
     };
-    int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    test_device_close(&t);
-    return failed;
+    return test_device_end(&t, cmocka_run_group_tests(tests, NULL, NULL));
 }

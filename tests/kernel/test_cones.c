@@ -37,9 +37,7 @@ typedef struct spread {
 
 static spread target_spread(ping_rig *r, int pings) {
     asdic_simulator *sim = rig_simulator(r);
-    asdic_ping *ping = NULL;
-    assert_ok(t.ctx, asdic_ping_create(t.ctx, r->sonar.receiver_count,
-                                       asdic_simulator_bin_count(sim), &ping));
+    asdic_ping *ping = rig_ping(r, sim);
     double sum = 0.0, square = 0.0, least = INFINITY;
     for (int k = 0; k < pings; k++) {
         assert_ok(t.ctx, asdic_simulator_ping(sim, &r->pose, (uint64_t)k, ping));
@@ -106,8 +104,7 @@ static const layered_case layered_cases[] = {
 /* One beam in open water that returns nothing. */
 static ping_rig silent_rig(void) {
     ping_rig r = rig_create(&t);
-    asdic_scene_destroy(&r.scene);
-    assert_ok(t.ctx, asdic_scene_create(t.ctx, &r.scene));
+    rig_empty(&r);
     asdic_scene_set_surface(r.scene, false);
     r.sampling.left_out = 1u << ASDIC_TERM_VOLUME;
     r.sonar.receiver_count = 1;
@@ -180,8 +177,7 @@ static void layers_hide_no_target(void **state) {
 static void near_objects_are_as_loud_as_they_are(void **state) {
     (void)state;
     ping_rig r = sphere_rig();
-    asdic_scene_destroy(&r.scene);
-    assert_ok(t.ctx, asdic_scene_create(t.ctx, &r.scene));
+    rig_empty(&r);
     asdic_scene_set_surface(r.scene, false);
     r.sampling.left_out = 1u << ASDIC_TERM_VOLUME;
     asdic_mesh *mesh = NULL;
@@ -224,11 +220,7 @@ static void add_balls(ping_rig *r, int count, double step_rad, double first_m, d
 /* What surface and bottom send back to R's one beam. */
 static asdic_ping *expected_of_planes(const ping_rig *r, size_t bins) {
     asdic_ping *truth = NULL;
-    asdic_flat_scene flat = {.has_surface = true,
-                             .has_bottom = true,
-                             .altitude_m = 5.0,
-                             .depth_m = 7.0,
-                             .bottom = asdic_material_bottom(2.0)};
+    asdic_flat_scene flat = rig_flat(r);
     assert_ok(t.ctx, asdic_ping_create(t.ctx, 1, bins, &truth));
     assert_ok(t.ctx, asdic_expected_compute(t.ctx, &flat, &r->env, &r->sonar, &r->pose, truth));
     return truth;
@@ -480,7 +472,5 @@ int main(void) {
         cmocka_unit_test(several_objects_share_rays),
         cmocka_unit_test(pilots_learn_where_a_ball_is),
     };
-    int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    test_device_close(&t);
-    return failed;
+    return test_device_end(&t, cmocka_run_group_tests(tests, NULL, NULL));
 }

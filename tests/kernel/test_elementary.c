@@ -214,7 +214,5 @@ int main(void) {
         cmocka_unit_test(errors_are_as_stated),
         cmocka_unit_test(ends_are_exact),
     };
-    int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    test_device_close(&place);
-    return failed;
+    return test_device_end(&place, cmocka_run_group_tests(tests, NULL, NULL));
 }

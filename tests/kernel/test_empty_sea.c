@@ -308,7 +308,5 @@ int main(int argc, char **argv) {
         cmocka_unit_test(clutter_makes_as_many_tracks_as_designed),
     };
     device = test_device_open_or_skip();
-    int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    test_device_close(&device);
-    return failed;
+    return test_device_end(&device, cmocka_run_group_tests(tests, NULL, NULL));
 }

@@ -273,7 +273,5 @@ int main(void) {
         cmocka_unit_test(a_floor_alone_has_no_faces),
         cmocka_unit_test(a_piece_that_mirrors_is_heard),
     };
-    int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    test_device_close(&t);
-    return failed;
+    return test_device_end(&t, cmocka_run_group_tests(tests, NULL, NULL));
 }

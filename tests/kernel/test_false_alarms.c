@@ -17,11 +17,7 @@ static void simulate(const char *name, asdic_speckle speckle, double shape, doub
     ping_rig r = rig_create(&device);
     asdic_simulator *sim = NULL;
     asdic_ping *ping = NULL, *expected = NULL;
-    asdic_flat_scene flat = {.has_surface = true,
-                             .has_bottom = true,
-                             .altitude_m = 5.0,
-                             .depth_m = 7.0,
-                             .bottom = asdic_material_bottom(2.0)};
+    asdic_flat_scene flat = rig_flat(&r);
     tally tallies[4] = {{1e-2, 0}, {1e-3, 0}, {1e-4, 0}, {1e-5, 0}};
     uint64_t bins = 0;
     r.sonar.receivers = r.receivers;
@@ -99,7 +95,5 @@ int main(void) {
         cmocka_unit_test(k_of_several_looks),
     };
     device = test_device_open_or_skip();
-    int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    test_device_close(&device);
-    return failed;
+    return test_device_end(&device, cmocka_run_group_tests(tests, NULL, NULL));
 }

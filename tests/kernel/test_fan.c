@@ -81,9 +81,7 @@ static asdic_simulator *simulator_of(ping_rig *r) {
 
 static asdic_ping *shoot(ping_rig *r, bool learn) {
     asdic_simulator *sim = simulator_of(r);
-    asdic_ping *ping = NULL;
-    assert_ok(t.ctx, asdic_ping_create(t.ctx, r->sonar.receiver_count,
-                                       asdic_simulator_bin_count(sim), &ping));
+    asdic_ping *ping = rig_ping(r, sim);
     if (learn) {
         assert_ok(t.ctx, asdic_simulator_learn(sim, &r->pose, 0));
     }
@@ -97,11 +95,7 @@ static asdic_ping *shoot(ping_rig *r, bool learn) {
 static asdic_ping *truth_of(const ping_rig *r, const size_t *which, size_t count, size_t bins) {
     asdic_beam picked[MOST_COMPARED];
     asdic_sonar few = r->sonar;
-    asdic_flat_scene flat = {.has_surface = true,
-                             .has_bottom = true,
-                             .altitude_m = 12.0 - r->pose.position_m.z,
-                             .depth_m = r->pose.position_m.z,
-                             .bottom = asdic_material_bottom(2.0)};
+    asdic_flat_scene flat = rig_flat(r);
     asdic_ping *truth = NULL;
     for (size_t k = 0; k < count; k++) {
         picked[k] = r->sonar.receivers[which[k]];
@@ -436,7 +430,5 @@ int main(void) {
         cmocka_unit_test(one_receiver_a_work_item_hears_the_same),
         cmocka_unit_test(used_pings_hold_what_fresh_ones_do),
     };
-    int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    test_device_close(&t);
-    return failed;
+    return test_device_end(&t, cmocka_run_group_tests(tests, NULL, NULL));
 }

@@ -98,7 +98,5 @@ int main(int argc, char **argv) {
         cmocka_unit_test(geometry_holds),
         cmocka_unit_test(planes_hold),
     };
-    int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    test_device_close(&hard_device);
-    return failed;
+    return test_device_end(&hard_device, cmocka_run_group_tests(tests, NULL, NULL));
 }

@@ -279,7 +279,5 @@ int main(void) {
         cmocka_unit_test(unlike_beams),       cmocka_unit_test(open_water),
         cmocka_unit_test(straight_water),     cmocka_unit_test(samplers_that_do_not_learn),
     };
-    int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    test_device_close(&t);
-    return failed;
+    return test_device_end(&t, cmocka_run_group_tests(tests, NULL, NULL));
 }

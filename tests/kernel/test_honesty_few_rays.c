@@ -262,7 +262,5 @@ int main(void) {
         cmocka_unit_test(bins_that_single_rays_meet),
         cmocka_unit_test(bins_that_edges_left),
     };
-    int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    test_device_close(&t);
-    return failed;
+    return test_device_end(&t, cmocka_run_group_tests(tests, NULL, NULL));
 }

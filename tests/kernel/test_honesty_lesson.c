@@ -328,7 +328,5 @@ int main(void) {
         cmocka_unit_test(a_way_over_terrain_learns_anew),
         cmocka_unit_test(objects_that_came_nearer),
     };
-    int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    test_device_close(&t);
-    return failed;
+    return test_device_end(&t, cmocka_run_group_tests(tests, NULL, NULL));
 }

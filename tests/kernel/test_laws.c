@@ -284,8 +284,7 @@ static asdic_ping *shoot(asdic_law laws[2], unsigned multipath, unsigned left_ou
     asdic_material bottom = asdic_material_bottom(2.0), rock = asdic_material_bottom(4.0);
     asdic_material surface = asdic_material_of(&laws[1]);
     bottom.law = rock.law = &laws[0];
-    asdic_scene_destroy(&r.scene);
-    assert_ok(place.ctx, asdic_scene_create(place.ctx, &r.scene));
+    rig_empty(&r);
     assert_ok(place.ctx, asdic_scene_set_bottom_plane(r.scene, 12.0, bottom));
     assert_ok(place.ctx, asdic_scene_set_surface_law(r.scene, surface));
     assert_ok(place.ctx, asdic_mesh_box(place.ctx, (asdic_vec3){2.0, 4.0, 2.0}, &box));
@@ -400,7 +399,5 @@ int main(void) {
         cmocka_unit_test(pings_meet_their_expectation),
     };
     place = test_device_open_or_skip();
-    int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    test_device_close(&place);
-    return failed;
+    return test_device_end(&place, cmocka_run_group_tests(tests, NULL, NULL));
 }

@@ -99,7 +99,5 @@ int main(void) {
         cmocka_unit_test(pings_are_the_simulators),
         cmocka_unit_test(misuse_is_refused),
     };
-    int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    test_device_close(&t);
-    return failed;
+    return test_device_end(&t, cmocka_run_group_tests(tests, NULL, NULL));
 }

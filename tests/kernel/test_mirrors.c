@@ -543,7 +543,5 @@ int main(void) {
         cmocka_unit_test(smooth_bodies_show_each_other),
         cmocka_unit_test(a_small_ball_is_heard_over_a_calm_surface),
     };
-    int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    test_device_close(&t);
-    return failed;
+    return test_device_end(&t, cmocka_run_group_tests(tests, NULL, NULL));
 }

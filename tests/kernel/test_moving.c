@@ -80,9 +80,7 @@ static ping_rig cast_rig(const cast *c, bool moving, bool bottom) {
 }
 
 static asdic_ping *shoot(asdic_simulator *sim, const ping_rig *r) {
-    asdic_ping *ping = NULL;
-    assert_ok(t.ctx, asdic_ping_create(t.ctx, r->sonar.receiver_count,
-                                       asdic_simulator_bin_count(sim), &ping));
+    asdic_ping *ping = rig_ping(r, sim);
     assert_ok(t.ctx, asdic_simulator_learn(sim, &r->pose, 0));
     assert_ok(t.ctx, asdic_simulator_ping(sim, &r->pose, 0, ping));
     return ping;
@@ -242,8 +240,7 @@ static void the_first_of_a_name_is_moved(void **state) {
         asdic_ping *ping = NULL;
         const asdic_pose there = {.position_m = {20.0, 0.0, 7.0}},
                          away = {{5e3, 0.0, 7.0}, 0, 0, 0};
-        asdic_scene_destroy(&r.scene);
-        assert_ok(t.ctx, asdic_scene_create(t.ctx, &r.scene));
+        rig_empty(&r);
         assert_ok(t.ctx, asdic_mesh_box(t.ctx, (asdic_vec3){1.0, 1.0, 1.0}, &box));
         asdic_material steel = asdic_material_facet(45.0, 1e-3, 0.1);
         for (int k = 0; k < 2; k++) {
@@ -333,7 +330,5 @@ int main(void) {
         cmocka_unit_test(the_first_of_a_name_is_moved),
         cmocka_unit_test(what_rises_through_layers_is_met_once),
     };
-    int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    test_device_close(&t);
-    return failed;
+    return test_device_end(&t, cmocka_run_group_tests(tests, NULL, NULL));
 }

@@ -241,7 +241,5 @@ int main(void) {
         cmocka_unit_test(what_calm_water_mirrors_is_smooth),
         cmocka_unit_test(the_last_bin_hears_mirrors_from_beyond),
     };
-    int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    test_device_close(&t);
-    return failed;
+    return test_device_end(&t, cmocka_run_group_tests(tests, NULL, NULL));
 }

@@ -142,7 +142,5 @@ int main(void) {
         cmocka_unit_test(every_leg_can_be_hidden),
         cmocka_unit_test(off_is_off),
     };
-    int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    test_device_close(&t);
-    return failed;
+    return test_device_end(&t, cmocka_run_group_tests(tests, NULL, NULL));
 }

@@ -54,11 +54,7 @@ static ping_rig turned_rig(const struct attitude *a) {
 }
 
 static asdic_ping *expectation(ping_rig *r) {
-    asdic_flat_scene flat = {.has_surface = true,
-                             .has_bottom = true,
-                             .altitude_m = 12.0 - r->pose.position_m.z,
-                             .depth_m = r->pose.position_m.z,
-                             .bottom = asdic_material_bottom(2.0)};
+    asdic_flat_scene flat = rig_flat(r);
     asdic_ping *ping = NULL;
     asdic_simulator *sim = rig_simulator(r);
     assert_ok(t.ctx, asdic_ping_create(t.ctx, RIG_BEAMS, asdic_simulator_bin_count(sim), &ping));
@@ -237,7 +233,5 @@ int main(int argc, char **argv) {
         cmocka_unit_test(components_agree_in_standard_errors),
         cmocka_unit_test(no_bias_after_many_rays),
     };
-    int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    test_device_close(&t);
-    return failed;
+    return test_device_end(&t, cmocka_run_group_tests(tests, NULL, NULL));
 }

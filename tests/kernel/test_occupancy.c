@@ -184,7 +184,5 @@ static void false_cells_are_few(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(false_cells_are_few)};
     device = test_device_open_or_skip();
-    int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    test_device_close(&device);
-    return failed;
+    return test_device_end(&device, cmocka_run_group_tests(tests, NULL, NULL));
 }

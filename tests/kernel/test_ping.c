@@ -50,11 +50,7 @@ static void adaptive_meets_quadrature(void **state) {
 static void assert_meets_quadrature(ping_rig *r, size_t first, double rms_db, double most_db) {
     asdic_ping *ping = rig_shoot(r, 0, true), *truth = NULL;
     assert_ok(t.ctx, asdic_ping_create(t.ctx, ping->beams, ping->bins, &truth));
-    asdic_flat_scene flat = {.has_surface = true,
-                             .has_bottom = true,
-                             .altitude_m = 5.0,
-                             .depth_m = 7.0,
-                             .bottom = asdic_material_bottom(2.0)};
+    asdic_flat_scene flat = rig_flat(r);
     assert_ok(t.ctx, asdic_expected_compute(t.ctx, &flat, &r->env, &r->sonar, &r->pose, truth));
     double sum = 0.0, most = 0.0;
     for (size_t b = 0; b < ping->beams; b++) {
@@ -477,7 +473,5 @@ int main(void) {
         cmocka_unit_test(pings_far_apart_differ),
         cmocka_unit_test(wrong_use_is_refused),
     };
-    int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    test_device_close(&t);
-    return failed;
+    return test_device_end(&t, cmocka_run_group_tests(tests, NULL, NULL));
 }

@@ -142,9 +142,7 @@ static void blocks_are_stored_by_azimuth(void **state) {
         ping_rig r = rig_create(&t);
         r.sampling.rays = rays[i];
         asdic_simulator *sim = rig_simulator(&r);
-        asdic_ping *ping = NULL;
-        assert_ok(t.ctx, asdic_ping_create(t.ctx, r.sonar.receiver_count,
-                                           asdic_simulator_bin_count(sim), &ping));
+        asdic_ping *ping = rig_ping(&r, sim);
         assert_ok(t.ctx, asdic_simulator_ping(sim, &r.pose, 0, ping));
         const dev_ping *shot = sim->shots[0].ping;
         uint64_t slots = (uint64_t)shot->batch.groups * shot->batch.per_group, own = 1, before = 1;
@@ -179,7 +177,5 @@ int main(void) {
         cmocka_unit_test(arguments_are_checked),
         cmocka_unit_test(blocks_are_stored_by_azimuth),
     };
-    int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    test_device_close(&t);
-    return failed;
+    return test_device_end(&t, cmocka_run_group_tests(tests, NULL, NULL));
 }

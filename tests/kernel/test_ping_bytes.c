@@ -168,7 +168,5 @@ int main(void) {
         cmocka_unit_test(widths_agree),
         cmocka_unit_test(pings_depend_on_seed_and_index_alone),
     };
-    int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    test_device_close(&t);
-    return failed;
+    return test_device_end(&t, cmocka_run_group_tests(tests, NULL, NULL));
 }

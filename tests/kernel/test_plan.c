@@ -62,8 +62,7 @@ static void needed_terms_are_kept(void **state) {
 static void what_lies_beyond_is_left_out(void **state) {
     (void)state;
     ping_rig r = rig_create(&t);
-    asdic_scene_destroy(&r.scene);
-    assert_ok(t.ctx, asdic_scene_create(t.ctx, &r.scene));
+    rig_empty(&r);
     assert_ok(t.ctx, asdic_scene_set_bottom_plane(r.scene, 505.0, asdic_material_bottom(2.0)));
     r.pose.position_m.z = 500.0;
     asdic_plan plan = plan_of(&r);
@@ -122,8 +121,7 @@ static void what_fast_water_brings_near_is_kept(void **state) {
     (void)state;
     ping_rig r = rig_create(&t);
     asdic_mesh *mesh = NULL;
-    asdic_scene_destroy(&r.scene);
-    assert_ok(t.ctx, asdic_scene_create(t.ctx, &r.scene));
+    rig_empty(&r);
     assert_ok(t.ctx, asdic_mesh_sphere(t.ctx, 1.0, 96, &mesh));
     assert_ok(t.ctx, asdic_scene_add_object(r.scene, "ball", mesh,
                                             (asdic_pose){.position_m = {8.0, 0.0, 1.5}},
@@ -301,7 +299,5 @@ int main(void) {
         cmocka_unit_test(boric_acid_goes_at_short_range),
         cmocka_unit_test(flat_scenes_need_no_rays),
     };
-    int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    test_device_close(&t);
-    return failed;
+    return test_device_end(&t, cmocka_run_group_tests(tests, NULL, NULL));
 }

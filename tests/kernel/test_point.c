@@ -28,8 +28,7 @@ static ping_rig empty_sea(void) {
     ping_rig r = rig_create(&t);
     r.env.particle_strength_db = -200.0;
     r.sampling.rays = 1024;
-    asdic_scene_destroy(&r.scene);
-    assert_ok(t.ctx, asdic_scene_create(t.ctx, &r.scene));
+    rig_empty(&r);
     asdic_scene_set_surface(r.scene, false);
     return r;
 }
@@ -412,7 +411,5 @@ int main(void) {
         cmocka_unit_test(mirror_ways_are_hidden),
         cmocka_unit_test(wrong_points_are_refused),
     };
-    int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    test_device_close(&t);
-    return failed;
+    return test_device_end(&t, cmocka_run_group_tests(tests, NULL, NULL));
 }

@@ -20,7 +20,7 @@
 #define TOLERANCE 0x1p-21L
 #define WIDER 1e-4L
 
-static trace_rig rig;
+static test_device rig;
 static int scenes = SCENES;
 
 /* ---- numbers -------------------------------------------------------------------------------- */
@@ -383,11 +383,6 @@ int main(int argc, char **argv) {
         cmocka_unit_test(ranges_of_slivers),
         cmocka_unit_test(ranges_of_soup),
     };
-    int skipped = trace_rig_open(&rig);
-    if (skipped) {
-        return skipped;
-    }
-    int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    trace_rig_close(&rig);
-    return failed;
+    rig = test_device_open_or_skip();
+    return test_device_end(&rig, cmocka_run_group_tests(tests, NULL, NULL));
 }

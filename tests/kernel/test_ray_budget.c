@@ -223,7 +223,5 @@ int main(void) {
         cmocka_unit_test(in_silence_nothing_is_kept),
         cmocka_unit_test(wrong_tolerances_are_refused),
     };
-    int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    test_device_close(&t);
-    return failed;
+    return test_device_end(&t, cmocka_run_group_tests(tests, NULL, NULL));
 }

@@ -28,11 +28,7 @@ static double rms_db(ping_rig *r, double altitude, int pings) {
     asdic_ping *ping = NULL, *truth = NULL;
     assert_ok(t.ctx, asdic_ping_create(t.ctx, 1, bins, &ping));
     assert_ok(t.ctx, asdic_ping_create(t.ctx, 1, bins, &truth));
-    asdic_flat_scene flat = {.has_surface = true,
-                             .has_bottom = true,
-                             .altitude_m = 5.0,
-                             .depth_m = 7.0,
-                             .bottom = asdic_material_bottom(2.0)};
+    asdic_flat_scene flat = rig_flat(r);
     assert_ok(t.ctx, asdic_expected_compute(t.ctx, &flat, &r->env, &r->sonar, &r->pose, truth));
     double sum = 0.0, count = 0.0;
     if (altitude > 0.0) {
@@ -146,8 +142,7 @@ static void what_leaks_backwards_is_heard(void **state) {
     for (size_t k = 0; k < sizeof pitch_deg / sizeof *pitch_deg; k++) {
         bool down = pitch_deg[k] > 0.0;
         ping_rig r = rig_create(&t);
-        asdic_scene_destroy(&r.scene);
-        assert_ok(t.ctx, asdic_scene_create(t.ctx, &r.scene));
+        rig_empty(&r);
         asdic_scene_set_surface(r.scene, down);
         if (!down) {
             assert_ok(t.ctx,
@@ -201,7 +196,5 @@ int main(void) {
         cmocka_unit_test(no_ray_weighs_without_end),
         cmocka_unit_test(what_leaks_backwards_is_heard),
     };
-    int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    test_device_close(&t);
-    return failed;
+    return test_device_end(&t, cmocka_run_group_tests(tests, NULL, NULL));
 }

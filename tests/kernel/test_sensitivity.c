@@ -23,11 +23,7 @@ static asdic_ping *shoot(ping_rig *r, const asdic_beam *receivers, size_t count)
 }
 
 static asdic_ping *expect(ping_rig *r, const asdic_ping *like) {
-    asdic_flat_scene flat = {.has_surface = true,
-                             .has_bottom = true,
-                             .altitude_m = 5.0,
-                             .depth_m = 7.0,
-                             .bottom = asdic_material_bottom(2.0)};
+    asdic_flat_scene flat = rig_flat(r);
     asdic_ping *ping = NULL;
     assert_ok(device.ctx, asdic_ping_create(device.ctx, like->beams, like->bins, &ping));
     assert_ok(device.ctx,
@@ -89,7 +85,5 @@ static void echoes_are_less_and_noise_is_not(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(echoes_are_less_and_noise_is_not)};
     device = test_device_open_or_skip();
-    int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    test_device_close(&device);
-    return failed;
+    return test_device_end(&device, cmocka_run_group_tests(tests, NULL, NULL));
 }

@@ -137,7 +137,5 @@ int main(void) {
         cmocka_unit_test(neighbours_share_what_theory_says),
     };
     device = test_device_open_or_skip();
-    int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    test_device_close(&device);
-    return failed;
+    return test_device_end(&device, cmocka_run_group_tests(tests, NULL, NULL));
 }

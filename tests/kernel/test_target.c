@@ -343,7 +343,5 @@ int main(void) {
         cmocka_unit_test(straight_and_flat_bodies),
         cmocka_unit_test(a_fan_hears_small_glints),
     };
-    int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    test_device_close(&t);
-    return failed;
+    return test_device_end(&t, cmocka_run_group_tests(tests, NULL, NULL));
 }

@@ -215,7 +215,5 @@ int main(void) {
         cmocka_unit_test(a_share_is_found_with_fewer_rays),
         cmocka_unit_test(noise_forgives),
     };
-    int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    test_device_close(&t);
-    return failed;
+    return test_device_end(&t, cmocka_run_group_tests(tests, NULL, NULL));
 }

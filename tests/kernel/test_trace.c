@@ -9,7 +9,7 @@
 #define SOUP 600
 #define RAYS 4096
 
-static trace_rig rig;
+static test_device rig;
 
 /* Triangles of all sizes in a cube of 20 m; every 16th is degenerate, every 8th axis-aligned. */
 static void random_soup(uint64_t seed, dev_triangle *soup, size_t count) {
@@ -304,20 +304,20 @@ static void start_choices(choices *c) {
     dev_triangle one = trace_rig_triangle(v[0], v[1], v[2]);
     *c = (choices){.scene = trace_rig_scene(&rig, &one, 1)};
     /* A device of its own: nothing is compiled for it yet. */
-    asdic_devices_close(&rig.devices, rig.device_count);
-    trace_rig_check(&rig, asdic_devices_open(rig.ctx, NULL, &rig.devices, &rig.device_count));
-    asdic_device *device = rig.devices[0];
+    asdic_devices_close(&rig.devices, rig.count);
+    assert_ok(rig.ctx, asdic_devices_open(rig.ctx, NULL, &rig.devices, &rig.count));
+    asdic_device *device = rig.device = rig.devices[0];
     for (int i = 0; i < RAYS; i++) {
         rays[i] = trace_rig_ray(origin, down);
     }
-    trace_rig_check(&rig, asdic_tracer_create(device, c->scene, &c->tracer));
-    trace_rig_check(&rig, asdic_buffer_create(device, sizeof rays, rays, &c->rays));
-    trace_rig_check(&rig, asdic_buffer_create(device, RAYS * sizeof(dev_hit), NULL, &c->hits));
+    assert_ok(rig.ctx, asdic_tracer_create(device, c->scene, &c->tracer));
+    assert_ok(rig.ctx, asdic_buffer_create(device, sizeof rays, rays, &c->rays));
+    assert_ok(rig.ctx, asdic_buffer_create(device, RAYS * sizeof(dev_hit), NULL, &c->hits));
     asdic_context_set_log(rig.ctx, ASDIC_LOG_DEBUG, count_choice, c);
 }
 
 static void cast_once(choices *c, uint32_t leg) {
-    trace_rig_check(&rig, asdic_tracer_run(c->tracer, c->rays, c->hits, RAYS, RAYS, leg));
+    assert_ok(rig.ctx, asdic_tracer_run(c->tracer, c->rays, c->hits, RAYS, RAYS, leg));
 }
 
 static void end_choices(choices *c) {
@@ -371,11 +371,6 @@ int main(void) {
         cmocka_unit_test(legs_choose_for_themselves),
         cmocka_unit_test(few_rays_do_not_choose),
     };
-    int skipped = trace_rig_open(&rig);
-    if (skipped) {
-        return skipped;
-    }
-    int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    trace_rig_close(&rig);
-    return failed;
+    rig = test_device_open_or_skip();
+    return test_device_end(&rig, cmocka_run_group_tests(tests, NULL, NULL));
 }

@@ -383,8 +383,7 @@ static void sum_sphere(int s, const asdic_beam *sent, const asdic_beam *heard, d
 static void spheres_are_as_summed_by_hand(void **state) {
     (void)state;
     ping_rig r = rig_create(&t);
-    asdic_scene_destroy(&r.scene);
-    assert_ok(t.ctx, asdic_scene_create(t.ctx, &r.scene));
+    rig_empty(&r);
     asdic_scene_set_surface(r.scene, false);
     for (int s = 0; s < SPHERES; s++) {
         asdic_mesh *mesh = NULL;
@@ -469,8 +468,7 @@ static void faint_objects_keep_their_depression(void **state) {
                         .multipath = i / 2 ? ASDIC_MULTIPATH_FIRST : ASDIC_MULTIPATH_OFF};
         const asdic_vec3 at[] = {{20.15, 0.0, 2.0}, {25.15, 0.0, i % 2 ? 14.7 : 7.0}};
         ping_rig r = rig_create(&t);
-        asdic_scene_destroy(&r.scene);
-        assert_ok(t.ctx, asdic_scene_create(t.ctx, &r.scene));
+        rig_empty(&r);
         asdic_scene_set_surface(r.scene, false);
         for (int s = 0; s < 2; s++) {
             asdic_mesh *mesh = NULL;
@@ -507,8 +505,7 @@ static void faint_objects_keep_their_depression(void **state) {
 /* A rig of points alone, in bins of BIN_M. */
 static ping_rig rig_of_points(double bin_m) {
     ping_rig r = rig_create(&t);
-    asdic_scene_destroy(&r.scene);
-    assert_ok(t.ctx, asdic_scene_create(t.ctx, &r.scene));
+    rig_empty(&r);
     r.env.wind_speed_kn = 0.0;
     r.env.particle_strength_db = -200.0;
     r.sonar.bin_length_m = bin_m;
@@ -608,8 +605,7 @@ static void mirrors_are_told_apart(void **state) {
             10e3,
             .points = false};
         ping_rig r = rig_create(&t);
-        asdic_scene_destroy(&r.scene);
-        assert_ok(t.ctx, asdic_scene_create(t.ctx, &r.scene));
+        rig_empty(&r);
         asdic_scene_set_surface(r.scene, mirror == ASDIC_PATH_BY_SURFACE);
         if (mirror != ASDIC_PATH_BY_SURFACE) {
             assert_ok(t.ctx,
@@ -639,8 +635,7 @@ static void a_pulse_at_the_end_arrives_from_its_object(void **state) {
     (void)state;
     const kind k = {.name = "a long pulse", .beams = 3, .bandwidth_hz = 100.0};
     ping_rig r = make_rig(&k, 0);
-    asdic_scene_destroy(&r.scene);
-    assert_ok(t.ctx, asdic_scene_create(t.ctx, &r.scene));
+    rig_empty(&r);
     asdic_scene_set_surface(r.scene, false);
     const asdic_vec3 at = {42.0, 0.0, 7.0 + 12.0};
     assert_ok(t.ctx, asdic_scene_add_point(r.scene, "point", at, 20.0));
@@ -694,7 +689,5 @@ int main(int argc, char **argv) {
         cmocka_unit_test(a_pulse_at_the_end_arrives_from_its_object),
         cmocka_unit_test(a_simulator_without_truth_says_so),
     };
-    int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    test_device_close(&t);
-    return failed;
+    return test_device_end(&t, cmocka_run_group_tests(tests, NULL, NULL));
 }

@@ -9,7 +9,7 @@
 #define SIDE 200 /* cells of the terrain per side */
 #define RAYS 200000
 
-static trace_rig rig;
+static test_device rig;
 
 /* Height of a corner: hills of several wavelengths, and every eighth cell a terrace. */
 static double terrain_z(int i, int j) {
@@ -119,13 +119,13 @@ static void corners_of_a_sphere_from_inside(void **state) {
     (void)state;
     asdic_mesh *mesh;
     asdic_scene *scene;
-    trace_rig_check(&rig, asdic_mesh_sphere(rig.ctx, 3.0, 90, &mesh));
+    assert_ok(rig.ctx, asdic_mesh_sphere(rig.ctx, 3.0, 90, &mesh));
     assert_int_equal(asdic_mesh_get_info(mesh).open_edges, 0);
-    trace_rig_check(&rig, asdic_scene_create(rig.ctx, &scene));
+    assert_ok(rig.ctx, asdic_scene_create(rig.ctx, &scene));
     asdic_pose far_away = {.position_m = {1e6, -4.5e6, 30.0}, .roll_rad = 0.3, .yaw_rad = 1.0};
-    trace_rig_check(&rig, asdic_scene_add_object(scene, "buoy", mesh, far_away,
-                                                 asdic_material_facet(45, 1e-3, 0.1)));
-    trace_rig_check(&rig, asdic_scene_commit(scene));
+    assert_ok(rig.ctx, asdic_scene_add_object(scene, "buoy", mesh, far_away,
+                                              asdic_material_facet(45, 1e-3, 0.1)));
+    assert_ok(rig.ctx, asdic_scene_commit(scene));
     dev_ray *rays = calloc(RAYS, sizeof *rays);
     assert_non_null(rays);
     uint64_t seed = 3;
@@ -151,11 +151,6 @@ int main(void) {
         cmocka_unit_test(corners_equal_to_seven_digits),
         cmocka_unit_test(corners_of_a_sphere_from_inside),
     };
-    int skipped = trace_rig_open(&rig);
-    if (skipped) {
-        return skipped;
-    }
-    int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    trace_rig_close(&rig);
-    return failed;
+    rig = test_device_open_or_skip();
+    return test_device_end(&rig, cmocka_run_group_tests(tests, NULL, NULL));
 }

@@ -4,60 +4,35 @@
 #include <stdlib.h>
 #include <string.h>
 
-int trace_rig_open(trace_rig *rig) {
-    memset(rig, 0, sizeof *rig);
-    if (asdic_context_create(&rig->ctx) != ASDIC_OK) {
-        return 1;
-    }
-    if (asdic_devices_open(rig->ctx, NULL, &rig->devices, &rig->device_count) != ASDIC_OK) {
-        print_message("skipped: %s\n", asdic_context_error(rig->ctx));
-        asdic_context_destroy(&rig->ctx);
-        return 77;
-    }
-    return 0;
-}
-
-void trace_rig_close(trace_rig *rig) {
-    asdic_devices_close(&rig->devices, rig->device_count);
-    asdic_context_destroy(&rig->ctx);
-}
-
-void trace_rig_check(const trace_rig *rig, asdic_status status) {
-    if (status != ASDIC_OK) {
-        print_error("%s\n", asdic_context_error(rig->ctx));
-    }
-    assert_int_equal(status, ASDIC_OK);
-}
-
-asdic_scene *trace_rig_scene(const trace_rig *rig, const dev_triangle *triangles, size_t count) {
+asdic_scene *trace_rig_scene(const test_device *rig, const dev_triangle *triangles, size_t count) {
     asdic_scene *scene;
-    trace_rig_check(rig, asdic_scene_create(rig->ctx, &scene));
+    assert_ok(rig->ctx, asdic_scene_create(rig->ctx, &scene));
     scene->triangles = malloc((count + 1) * sizeof *triangles);
     assert_non_null(scene->triangles);
     memcpy(scene->triangles, triangles, count * sizeof *triangles);
     scene->triangle_count = count;
-    trace_rig_check(rig, asdic_bvh_build(rig->ctx, triangles, NULL, count, 1, &scene->bvh));
+    assert_ok(rig->ctx, asdic_bvh_build(rig->ctx, triangles, NULL, count, 1, &scene->bvh));
     scene->committed = true;
     return scene;
 }
 
-void trace_rig_run(const trace_rig *rig, const asdic_scene *scene, const char *form,
+void trace_rig_run(const test_device *rig, const asdic_scene *scene, const char *form,
                    const dev_ray *rays, uint32_t count, dev_hit *hits) {
-    asdic_device *device = rig->devices[0];
+    asdic_device *device = rig->device;
     asdic_tracer *tracer;
     asdic_buffer *ray_buffer, *hit_buffer;
-    trace_rig_check(rig, asdic_tracer_create(device, scene, &tracer));
-    trace_rig_check(rig, asdic_tracer_set_kernel(tracer, form));
-    trace_rig_check(rig, asdic_buffer_create(device, count * sizeof *rays, rays, &ray_buffer));
-    trace_rig_check(rig, asdic_buffer_create(device, count * sizeof *hits, NULL, &hit_buffer));
-    trace_rig_check(rig, asdic_tracer_run(tracer, ray_buffer, hit_buffer, count, count, 0));
-    trace_rig_check(rig, asdic_buffer_read(hit_buffer, 0, count * sizeof *hits, hits));
+    assert_ok(rig->ctx, asdic_tracer_create(device, scene, &tracer));
+    assert_ok(rig->ctx, asdic_tracer_set_kernel(tracer, form));
+    assert_ok(rig->ctx, asdic_buffer_create(device, count * sizeof *rays, rays, &ray_buffer));
+    assert_ok(rig->ctx, asdic_buffer_create(device, count * sizeof *hits, NULL, &hit_buffer));
+    assert_ok(rig->ctx, asdic_tracer_run(tracer, ray_buffer, hit_buffer, count, count, 0));
+    assert_ok(rig->ctx, asdic_buffer_read(hit_buffer, 0, count * sizeof *hits, hits));
     asdic_buffer_destroy(&hit_buffer);
     asdic_buffer_destroy(&ray_buffer);
     asdic_tracer_destroy(&tracer);
 }
 
-void trace_rig_run_all_forms(const trace_rig *rig, const asdic_scene *scene, const dev_ray *rays,
+void trace_rig_run_all_forms(const test_device *rig, const asdic_scene *scene, const dev_ray *rays,
                              uint32_t count, dev_hit *hits) {
     dev_hit *again = malloc(count * sizeof *again);
     assert_non_null(again);
@@ -77,7 +52,7 @@ void trace_rig_run_all_forms(const trace_rig *rig, const asdic_scene *scene, con
     free(again);
 }
 
-void trace_rig_run_all_blocks(const trace_rig *rig, const asdic_scene *scene, const dev_ray *rays,
+void trace_rig_run_all_blocks(const test_device *rig, const asdic_scene *scene, const dev_ray *rays,
                               uint32_t count, dev_hit *hits) {
     dev_hit *found = malloc(count * sizeof *found);
     assert_non_null(found);

@@ -1,39 +1,27 @@
 /*
- * A device, a scene of float triangles and rays through it, for the tests of tracing.
+ * A scene of float triangles and rays through it, for the tests of tracing.
  */
 #ifndef ASDIC_TESTS_TRACE_RIG_H
 #define ASDIC_TESTS_TRACE_RIG_H
 
 #include "asserts.h"
+#include "test_device.h"
 
 #include "lib/scene/tracer.h"
 
-typedef struct trace_rig {
-    asdic_context *ctx;
-    asdic_device **devices;
-    size_t device_count;
-} trace_rig;
-
-/* Opens the default device; returns 77 (skip) when the machine has none. */
-int trace_rig_open(trace_rig *rig);
-void trace_rig_close(trace_rig *rig);
-
-/* Fails the test with the context's sentence unless STATUS is ASDIC_OK. */
-void trace_rig_check(const trace_rig *rig, asdic_status status);
-
 /* A committed scene that owns a copy of COUNT triangles as they are, not recentred. */
-asdic_scene *trace_rig_scene(const trace_rig *rig, const dev_triangle *triangles, size_t count);
+asdic_scene *trace_rig_scene(const test_device *rig, const dev_triangle *triangles, size_t count);
 
 /* The nearest hits by walking the hierarchy, with the named form of the kernel. */
-void trace_rig_run(const trace_rig *rig, const asdic_scene *scene, const char *form,
+void trace_rig_run(const test_device *rig, const asdic_scene *scene, const char *form,
                    const dev_ray *rays, uint32_t count, dev_hit *hits);
 
 /* The same with the plain form, after every other one has given the same bytes. */
-void trace_rig_run_all_forms(const trace_rig *rig, const asdic_scene *scene, const dev_ray *rays,
+void trace_rig_run_all_forms(const test_device *rig, const asdic_scene *scene, const dev_ray *rays,
                              uint32_t count, dev_hit *hits);
 
 /* The nearest hits by testing every block alone, without a node: what run must equal. */
-void trace_rig_run_all_blocks(const trace_rig *rig, const asdic_scene *scene, const dev_ray *rays,
+void trace_rig_run_all_blocks(const test_device *rig, const asdic_scene *scene, const dev_ray *rays,
                               uint32_t count, dev_hit *hits);
 
 dev_triangle trace_rig_triangle(const float v0[3], const float v1[3], const float v2[3]);

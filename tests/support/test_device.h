@@ -38,4 +38,10 @@ static inline void test_device_close(test_device *t) {
     asdic_context_destroy(&t->ctx);
 }
 
+/* Call last in main(), with what FAILED. */
+static inline int test_device_end(test_device *t, int failed) {
+    test_device_close(t);
+    return failed;
+}
+
 #endif

@@ -3,6 +3,7 @@
  * head of calibrate.c, where their reasons are.
  */
 #include "asserts.h"
+#include "test_context.h"
 
 #include "sim/simulator.h"
 
@@ -24,7 +25,6 @@ static cell cells[MOST_BEAMS * BINS];
 static asdic_beam receivers[MOST_BEAMS + 1]; /* the last is none of them */
 static asdic_stated_error stated[MOST_BEAMS * BINS];
 static uint32_t streams[16], aimed, simulated, pings; /* of a calibration */
-static asdic_context *ctx;
 
 void __wrap_asdic_shot_aim(const asdic_simulator *sim, asdic_ping_shot *shot,
                            const asdic_pose *pose, uint64_t index, uint32_t stream, uint32_t rays);
@@ -375,8 +375,5 @@ int main(void) {
         cmocka_unit_test(what_one_ping_holds_is_not_known),
         cmocka_unit_test(what_is_silent_says_nothing),
     };
-    assert_int_equal(asdic_context_create(&ctx), ASDIC_OK);
-    int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    asdic_context_destroy(&ctx);
-    return failed;
+    return cmocka_run_group_tests(tests, context_begin, context_end);
 }

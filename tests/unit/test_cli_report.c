@@ -1,5 +1,6 @@
 /* What the program says: errors, warnings and notes by verbosity, exit codes, progress, JSON, help. */
 #include "asserts.h"
+#include "test_context.h"
 #include "told.h"
 
 #include "cli/cli_state.h"
@@ -20,7 +21,6 @@ static const cli_command command = {
         "One two three four five six seven eight nine ten eleven twelve thirteen fourteen.\n\nEnd.",
     .examples = "asdic try a\nasdic try b",
     .options = options};
-static asdic_context *ctx;
 static cli c;
 
 static void begin(int verbosity, bool colour) {
@@ -367,7 +367,6 @@ static void clocks_run_in_seconds(void **state) {
 }
 
 int main(void) {
-    assert_ok(NULL, asdic_context_create(&ctx));
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(verbosity_says_what_is_said),
         cmocka_unit_test(a_place_stands_before_the_severity),
@@ -382,7 +381,5 @@ int main(void) {
         cmocka_unit_test(help_is_wrapped),
         cmocka_unit_test(clocks_run_in_seconds),
     };
-    int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    asdic_context_destroy(&ctx);
-    return failed;
+    return cmocka_run_group_tests(tests, context_begin, context_end);
 }

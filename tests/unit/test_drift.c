@@ -2,6 +2,7 @@
  * What cells state after a vehicle has gone on, or an object has moved: means over the cells around, counted one by one.
  */
 #include "asserts.h"
+#include "test_context.h"
 
 #include "scene/scene.h"
 #include "sim/drift.h"
@@ -12,8 +13,6 @@
 #define BEAMS 20
 #define BIN_M 0.5
 #define SPACING_RAD 0.1
-
-static asdic_context *ctx;
 
 /* A simulator that has learnt, of as many BEAMS, MANY or few, with an object that moves. */
 typedef struct rig {
@@ -215,13 +214,10 @@ static void planes_do_not_drift(void **state) {
 }
 
 int main(void) {
-    assert_int_equal(asdic_context_create(&ctx), ASDIC_OK);
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(cells_state_what_those_around_learnt),
         cmocka_unit_test(ways_are_counted_in_cells),
         cmocka_unit_test(planes_do_not_drift),
     };
-    int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    asdic_context_destroy(&ctx);
-    return failed;
+    return cmocka_run_group_tests(tests, context_begin, context_end);
 }

@@ -1,6 +1,7 @@
 /* What a plan says, row by row: reasons with their numbers, bounds that scale as the energies that they bound, and
  * which term goes when. No device is needed. */
 #include "asserts.h"
+#include "test_context.h"
 
 #include "base/clock.h"
 #include "laws/scatterer.h"
@@ -25,7 +26,6 @@ typedef struct yard {
     size_t count;
 } yard;
 
-static asdic_context *ctx;
 static asdic_plan plan;
 
 /* A sonar of some 75 m range and half a metre a bin at 7 m, over sand at 12 m, with noise. */
@@ -623,7 +623,6 @@ static void what_is_missing_is_refused(void **state) {
 }
 
 int main(void) {
-    assert_ok(NULL, asdic_context_create(&ctx));
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(reasons_have_their_numbers),
         cmocka_unit_test(the_nearest_place_counts),
@@ -640,7 +639,5 @@ int main(void) {
         cmocka_unit_test(quadratures_want_many_pings),
         cmocka_unit_test(what_is_missing_is_refused),
     };
-    int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    asdic_context_destroy(&ctx);
-    return failed;
+    return cmocka_run_group_tests(tests, context_begin, context_end);
 }

@@ -10,10 +10,9 @@
 #include "lib/scene/placement.h"
 #include "lib/scene/scene.h"
 #include "lib/scene/triangles.h"
+#include "test_context.h"
 
 #include <stdlib.h>
-
-static asdic_context *ctx;
 
 static void check(asdic_status status) {
     if (status != ASDIC_OK) {
@@ -618,8 +617,5 @@ int main(void) {
         cmocka_unit_test(triangles_on_a_layers_plane_are_in_both),
         cmocka_unit_test(threads_do_not_show),
     };
-    assert_int_equal(asdic_context_create(&ctx), ASDIC_OK);
-    int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    asdic_context_destroy(&ctx);
-    return failed;
+    return cmocka_run_group_tests(tests, context_begin, context_end);
 }

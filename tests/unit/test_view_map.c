@@ -458,7 +458,5 @@ int main(void) {
         cmocka_unit_test(the_camera_fills_its_panel),
     };
     t = test_device_open_or_skip();
-    int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    test_device_close(&t);
-    return failed;
+    return test_device_end(&t, cmocka_run_group_tests(tests, NULL, NULL));
 }

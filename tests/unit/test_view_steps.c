@@ -601,7 +601,5 @@ int main(void) {
         cmocka_unit_test(long_words_end_with_a_character),
     };
     t = test_device_open_or_skip();
-    int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    test_device_close(&t);
-    return failed;
+    return test_device_end(&t, cmocka_run_group_tests(tests, NULL, NULL));
 }
