@@ -299,7 +299,8 @@ static void elements_share_what_theory_says(void **state) {
     rig_destroy(&r);
 }
 
-/* A vehicle at rest hears the same speckle; sideways, it is lost as twice the way says. */
+/* A vehicle at rest hears the same speckle; sideways, it is lost as twice the way says, also from one of the pieces that
+ * the bottom is cut into, which join at 0, into the next. */
 static void speckle_stays_on_the_bottom(void **state) {
     (void)state;
     enum { SEEDS = 20, MOVES = 5 };
@@ -308,7 +309,8 @@ static void speckle_stays_on_the_bottom(void **state) {
     pair_sum sums[MOVES] = {{0}};
     for (uint64_t seed = 1; seed <= SEEDS; seed++) {
         r.sampling.seed = seed;
-        r.pose.position_m.y = 0.37 * (double)seed;
+        r.pose.position_m.x = 0.37 * (double)seed;
+        r.pose.position_m.y = -1e-6;
         asdic_simulator *sim = rig_simulator(&r);
         asdic_ping *first = array_shoot(&r, sim, 0);
         double from = r.pose.position_m.y;

@@ -179,6 +179,17 @@ static void a_first_look_may_miss_all_but_a_trifle(void **state) {
     assert_true(calls < 10000);
 }
 
+/* Area pi millionths, of which the middle node of the first look makes a fifth. */
+static double spike(double x, void *user) {
+    (void)user;
+    return 1.0 / (1.0 + 1e12 * x * x);
+}
+
+static void a_first_look_may_be_too_bright(void **state) {
+    (void)state;
+    assert_close_relative(asdic_quadrature(spike, NULL, -1.0, 1.0, 1e-7), 2e-6 * atan(1e6), 1e-7);
+}
+
 /* The rule of 15 points is exact to the degree 22, Gauss's to 31 with 16. */
 static void rules_are_exact_for_polynomials(void **state) {
     (void)state;
@@ -753,6 +764,7 @@ int main(void) {
         cmocka_unit_test(a_filter_takes_a_plot),
         cmocka_unit_test(rules_are_exact_for_polynomials),
         cmocka_unit_test(a_first_look_may_miss_all_but_a_trifle),
+        cmocka_unit_test(a_first_look_may_be_too_bright),
         cmocka_unit_test(halves_are_the_nearest),
         cmocka_unit_test(steps_are_1_2_or_5),
         cmocka_unit_test(ticks_lie_within),
