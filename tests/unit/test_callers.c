@@ -55,6 +55,17 @@ static void none_is_destroyed(void **state) {
     assert_null(devices);
 }
 
+/* What is behind the last of a kind has no name. */
+static void kinds_end(void **state) {
+    (void)state;
+    assert_null(asdic_trial_outcome_name(ASDIC_TRIAL_OUTCOMES));
+    assert_null(asdic_trial_cause_name(ASDIC_TRIAL_CAUSES));
+    assert_null(asdic_colormap_name(ASDIC_COLORMAP_COUNT));
+    assert_null(asdic_refraction_name((asdic_refraction)(ASDIC_REFRACTION_OFF + 1)));
+    assert_string_equal(asdic_path_name(ASDIC_PATH_COUNT), "?");
+    assert_string_equal(asdic_phase_name(ASDIC_PHASE_COUNT), "?");
+}
+
 static void no_mission_has_no_phase_and_no_size(void **state) {
     (void)state;
     char reason[80] = "";
@@ -279,6 +290,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(none_is_destroyed),
         cmocka_unit_test(arguments_of_nothing_are_refused),
+        cmocka_unit_test(kinds_end),
         cmocka_unit_test(no_mission_has_no_phase_and_no_size),
         cmocka_unit_test(a_target_and_its_image_interfere_within_a_cell),
         cmocka_unit_test(room_is_that_of_the_nearest_folder),

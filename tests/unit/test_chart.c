@@ -245,7 +245,7 @@ static void outlines_are_the_objects(void **state) {
     const double corners_m[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 40, 40, 0, 41, 40, 0, 40, 41, 0};
     const uint32_t triangles[] = {0, 1, 2, 3, 4, 5};
     assert_int_equal(asdic_mesh_from_triangles(ctx, corners_m, 6, triangles, 2, &mesh), ASDIC_OK);
-    add_object(scene, "pair", mesh, (asdic_pose){0});
+    add_object(scene, "pair", mesh, (asdic_pose){.position_m = {5120, 6144, 0}});
     assert_int_equal(asdic_scene_commit(scene), ASDIC_OK);
     assert_int_equal(asdic_chart_outlines(ctx, scene, &outlines, &count), ASDIC_OK);
     assert_int_equal(count, 5);

@@ -138,6 +138,9 @@ static void pairs_choose_in_the_order_given(void **state) {
     (void)state;
     assert_chosen("0:1", 1, 1, 0);
     assert_chosen("2:0,0:0", 2, 4, 0);
+    machine[4].info.platform = 12;
+    machine[4].info.device = 345;
+    assert_chosen("12:345,0:1", 2, 4, 1);
 }
 
 static void names_match_in_part_and_any_case(void **state) {
