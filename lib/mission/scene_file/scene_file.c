@@ -233,7 +233,7 @@ bool asdic_scene_file_parse(const char *text, size_t size, asdic_arena *arena,
 static bool is_sonar(const asdic_yaml_node *root, asdic_problems *problems) {
     const asdic_table *scene = asdic_scene_table();
     if (root->kind != ASDIC_YAML_MAP || !root->first ||
-        !asdic_schema_has(&asdic_sonar_table, root->first->key)) {
+        !asdic_schema_key(&asdic_sonar_table, root->first->key)) {
         return false;
     }
     for (size_t i = 0; i < scene->key_count; i++) {

@@ -113,7 +113,8 @@ typedef struct asdic_schema_reader {
     const asdic_file_taker *files; /* NULL: nobody asks */
 } asdic_schema_reader;
 
-bool asdic_schema_has(const asdic_table *table, const char *name);
+/* The key NAME of TABLE; NULL: it has none. */
+const asdic_key *asdic_schema_key(const asdic_table *table, const char *name);
 
 /* The key of PATH, "sonar.receivers[0].pitch_deg", as *OUT: of an entry of a list, as if a map had it alone. False
  * after a problem of BLAME: the tables have no such key. */

@@ -294,14 +294,6 @@ static void print_other_words(const asdic_table *table, asdic_text *text) {
     }
 }
 
-static const asdic_key *find_key(const asdic_table *table, const char *name) {
-    const asdic_key *key = table->keys;
-    while (strcmp(key->name, name) != 0) {
-        key++;
-    }
-    return key;
-}
-
 /* A map, or what may stand in its place. */
 static void print_table(const asdic_table *table, asdic_text *text, int indent) {
     const char *stand_in = table->list_key ? table->list_key : table->scalar_key;
@@ -311,7 +303,7 @@ static void print_table(const asdic_table *table, asdic_text *text, int indent) 
     }
     asdic_text_add(text, "\"anyOf\": [{");
     if (stand_in) {
-        print_type(find_key(table, stand_in), text, indent);
+        print_type(asdic_schema_key(table, stand_in), text, indent);
     } else {
         asdic_text_format(text, "\"const\": \"%s\"", table->scalar_word);
     }

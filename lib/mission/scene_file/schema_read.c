@@ -19,7 +19,7 @@
 static void read_map(const asdic_schema_reader *r, const asdic_table *table, asdic_yaml_node *node,
                      void *out);
 
-static const asdic_key *find_key(const asdic_table *table, const char *name) {
+const asdic_key *asdic_schema_key(const asdic_table *table, const char *name) {
     for (size_t i = 0; i < table->key_count; i++) {
         if (strcmp(table->keys[i].name, name) == 0) {
             return &table->keys[i];
@@ -28,15 +28,11 @@ static const asdic_key *find_key(const asdic_table *table, const char *name) {
     return NULL;
 }
 
-bool asdic_schema_has(const asdic_table *table, const char *name) {
-    return find_key(table, name) != NULL;
-}
-
 /* How many tables under TABLE have KEY; PATH becomes the path of the last one. */
 static size_t find_homes(const asdic_table *table, const char *key, const char *here,
                          asdic_text *path) {
     size_t homes = 0;
-    if (find_key(table, key)) {
+    if (asdic_schema_key(table, key)) {
         path->length = 0;
         asdic_text_add(path, *here ? here : "the top level");
         homes++;
@@ -98,7 +94,7 @@ static void report_unknown_key(const asdic_schema_reader *r, const asdic_table *
 /* Whether a child of MAP that TABLE does not know is a slip of KEY: then one error is enough. */
 static bool has_slip(const asdic_table *table, const asdic_yaml_node *map, const asdic_key *key) {
     for (const asdic_yaml_node *child = map->first; child; child = child->next) {
-        if (!find_key(table, child->key) && nearest_key(table, child->key) == key) {
+        if (!asdic_schema_key(table, child->key) && nearest_key(table, child->key) == key) {
             return true;
         }
     }
@@ -349,7 +345,7 @@ static void read_map(const asdic_schema_reader *r, const asdic_table *table, asd
     }
     *(asdic_yaml_node **)out = node;
     for (asdic_yaml_node *child = node ? node->first : NULL; child; child = child->next) {
-        if (!find_key(table, child->key)) {
+        if (!asdic_schema_key(table, child->key)) {
             report_unknown_key(r, table, child);
         }
     }
@@ -378,7 +374,7 @@ void asdic_schema_read(const asdic_table *table, const asdic_table *root, asdic_
 /* Makes KEY, which is that of a list, the key of its entry INDEX. */
 static bool enter_list(asdic_key *key, size_t index) {
     if (key->type == ASDIC_KEY_MAP && key->table->list_key) {
-        *key = *find_key(key->table, key->table->list_key);
+        *key = *asdic_schema_key(key->table, key->table->list_key);
     }
     bool is_short = key->count > 0 && index >= key->count;
     if (key->type == ASDIC_KEY_LIST) {
@@ -401,7 +397,7 @@ static bool enter_map(const asdic_schema_reader *r, asdic_key *key, const char *
     const asdic_table *table = key->type == ASDIC_KEY_MAP    ? key->table
                                : key->type == ASDIC_KEY_LIST ? key->map_form
                                                              : NULL;
-    const asdic_key *found = table ? find_key(table, name) : NULL;
+    const asdic_key *found = table ? asdic_schema_key(table, name) : NULL;
     if (found) {
         *key = *found;
     } else if (table) {

@@ -162,20 +162,25 @@ static void report_number(const asdic_schema_reader *r, const asdic_key *key, as
                        why, name_number(key, wanted));
 }
 
-static void read_number(const asdic_schema_reader *r, const asdic_key *key, asdic_yaml_node *node,
+/* A number, or of an INTEGER a whole one; or a word that stands for it. False: neither was read. */
+static bool read_number(const asdic_schema_reader *r, const asdic_key *key, asdic_yaml_node *node,
                         double *out) {
     char wanted[WANTED_SIZE];
+    bool is_whole = key->type == ASDIC_KEY_INTEGER;
     double value = NAN;
+    int64_t whole = 0;
     const asdic_word *word = asdic_schema_word(key, node);
     if (word) {
         *out = word->value;
-        return;
+        return true;
     }
-    const char *why = node->kind == ASDIC_YAML_SCALAR
-                          ? asdic_number_parse(node->text, node->length, &value)
-                          : "is not a number";
-    if (!key->words && !is_plain(r, key, node, name_number(key, wanted), !why)) {
-        return;
+    const char *why = node->kind != ASDIC_YAML_SCALAR
+                          ? (is_whole ? "is not a whole number" : "is not a number")
+                      : is_whole ? asdic_integer_parse(node->text, node->length, &whole)
+                                 : asdic_number_parse(node->text, node->length, &value);
+    value = is_whole ? (double)whole : value; /* limits are below 2^53 */
+    if ((is_whole || !key->words) && !is_plain(r, key, node, name_number(key, wanted), !why)) {
+        return false;
     }
     if (key->words && (why || node->quoted)) {
         report_no_word(r, key, node);
@@ -185,32 +190,16 @@ static void read_number(const asdic_schema_reader *r, const asdic_key *key, asdi
         report_range(r, key, node);
     } else {
         *out = value;
+        return true;
     }
+    return false;
 }
 
 static void read_integer(const asdic_schema_reader *r, const asdic_key *key, asdic_yaml_node *node,
                          int64_t *out) {
-    char wanted[WANTED_SIZE];
-    int64_t value = 0;
-    const asdic_word *word = asdic_schema_word(key, node);
-    if (word) {
-        *out = (int64_t)word->value;
-        return;
-    }
-    const char *why = node->kind == ASDIC_YAML_SCALAR
-                          ? asdic_integer_parse(node->text, node->length, &value)
-                          : "is not a whole number";
-    if (!is_plain(r, key, node, name_number(key, wanted), !why)) {
-        return;
-    }
-    if (why && key->words) {
-        report_no_word(r, key, node);
-    } else if (why) {
-        report_number(r, key, node, why);
-    } else if (!((double)value >= key->min && (double)value <= key->max)) {
-        report_range(r, key, node);
-    } else {
-        *out = value;
+    double value;
+    if (read_number(r, key, node, &value)) {
+        *out = (int64_t)value;
     }
 }
 
