@@ -49,6 +49,15 @@ static bool knows_speed(const asdic_scene_file *file) {
     return !node || (file->environment.node && are_read(file->environment.node, keys));
 }
 
+/* KEY, if MAP has it, changes nothing WHY. */
+static void refuse_idle(asdic_problems *problems, const asdic_yaml_node *map, const char *key,
+                        const char *why) {
+    asdic_yaml_node *child = asdic_yaml_child(map, key);
+    if (child) {
+        asdic_yaml_key_problem(problems, child, "'%s' has no effect %s", key, why);
+    }
+}
+
 typedef struct named_node {
     const char *name;
     asdic_yaml_node *node;
@@ -96,15 +105,11 @@ static void check_names(asdic_list list, size_t size, size_t offset, const char 
 static void check_profile(const asdic_scene_file *file, asdic_problems *problems) {
     asdic_yaml_node *node = asdic_yaml_child(file->environment.node, "sound_speed_profile");
     const asdic_sound_profile profile = asdic_scene_file_environment(file).sound_speed_profile;
-    asdic_yaml_node *fixed = asdic_yaml_child(file->environment.node, "sound_speed_mps");
     if (!asdic_scene_node_good(node)) {
         return;
     }
-    if (fixed) {
-        asdic_yaml_key_problem(problems, fixed,
-                               "'sound_speed_mps' has no effect beside 'sound_speed_profile'; give "
-                               "only one of them");
-    }
+    refuse_idle(problems, file->environment.node, "sound_speed_mps",
+                "beside 'sound_speed_profile'; give only one of them");
     size_t i = 0;
     for (asdic_yaml_node *item = node->first; item; item = item->next, i++) {
         char why[256];
@@ -240,11 +245,9 @@ static void check_scan(const file_sweep *scan, asdic_problems *problems) {
 static void check_array(const file_array *array, asdic_problems *problems) {
     bool levels =
         array->shading == ASDIC_SHADING_TAYLOR || array->shading == ASDIC_SHADING_CHEBYSHEV;
-    asdic_yaml_node *level = asdic_yaml_child(array->node, "side_lobe_db");
-    if (level && !levels && !is_bad(array->node, "shading")) {
-        asdic_yaml_key_problem(problems, level,
-                               "'side_lobe_db' has no effect without 'shading: taylor' or "
-                               "'shading: chebyshev'; leave it out");
+    if (!levels && !is_bad(array->node, "shading")) {
+        refuse_idle(problems, array->node, "side_lobe_db",
+                    "without 'shading: taylor' or 'shading: chebyshev'; leave it out");
     }
 }
 
@@ -267,11 +270,9 @@ static void check_coherent(const asdic_scene_file *file, asdic_problems *problem
                            "'coherent' = true needs the elements of an array: give 'array' in "
                            "'sonar' in place of 'receivers'");
     }
-    asdic_yaml_node *speckle = asdic_yaml_child(s->node, "speckle");
-    if (speckle && !speckle->bad && s->speckle != ASDIC_SPECKLE_NONE) {
-        asdic_yaml_key_problem(problems, speckle,
-                               "'speckle' has no effect on coherent pings, which have their own; "
-                               "leave it out");
+    if (!is_bad(s->node, "speckle") && s->speckle != ASDIC_SPECKLE_NONE) {
+        refuse_idle(problems, s->node, "speckle",
+                    "on coherent pings, which have their own; leave it out");
     }
     asdic_yaml_node *truth = asdic_yaml_child(file->output.node, "truth");
     if (truth && !truth->bad && file->output.truth) {
@@ -300,11 +301,9 @@ static void check_sonar(const asdic_scene_file *file, asdic_arena *arena,
                            "the band would begin below zero",
                            s->bandwidth_khz, s->frequency_khz);
     }
-    asdic_yaml_node *shape = asdic_yaml_child(s->node, "speckle_shape");
-    if (shape && !is_bad(s->node, "speckle") && s->speckle != ASDIC_SPECKLE_K) {
-        asdic_yaml_key_problem(problems, shape,
-                               "'speckle_shape' has no effect without 'speckle: k'; leave it out");
-    } else if (!shape && s->speckle == ASDIC_SPECKLE_K) {
+    if (!is_bad(s->node, "speckle") && s->speckle != ASDIC_SPECKLE_K) {
+        refuse_idle(problems, s->node, "speckle_shape", "without 'speckle: k'; leave it out");
+    } else if (s->speckle == ASDIC_SPECKLE_K && !asdic_yaml_child(s->node, "speckle_shape")) {
         asdic_yaml_problem(problems, at(s->node, "speckle"),
                            "'speckle' = k needs a 'speckle_shape': 0.5 is spiky, 50 nearly "
                            "Rayleigh");
@@ -332,18 +331,14 @@ static void check_bottom(const file_bottom *bottom, asdic_problems *problems) {
     }
     bool is_flat = bottom->none || asdic_yaml_child(node, "depth_m");
     bool placed = asdic_yaml_child(node, "mesh") || asdic_yaml_child(node, "grid") || !is_flat;
-    for (size_t i = 0; i < sizeof placing / sizeof *placing; i++) {
-        asdic_yaml_node *child = asdic_yaml_child(node, placing[i]);
-        if (child && !placed) {
-            asdic_yaml_key_problem(problems, child, "'%s' has no effect %s; leave it out",
-                                   placing[i],
-                                   bottom->none ? "without a bottom" : "on a flat bottom");
-        }
+    for (size_t i = 0; !placed && i < sizeof placing / sizeof *placing; i++) {
+        refuse_idle(problems, node, placing[i],
+                    bottom->none ? "without a bottom; leave it out"
+                                 : "on a flat bottom; leave it out");
     }
     asdic_yaml_node *law = asdic_scene_laws_given(ASDIC_LAW_BOTTOM, node);
     if (law && bottom->none) {
-        asdic_yaml_key_problem(problems, law, "'%s' has no effect without a bottom; leave it out",
-                               law->key);
+        refuse_idle(problems, node, law->key, "without a bottom; leave it out");
     }
     asdic_scene_laws_check(ASDIC_LAW_BOTTOM, node, problems);
 }
@@ -352,11 +347,7 @@ static void check_bottom(const file_bottom *bottom, asdic_problems *problems) {
 static void check_point(const file_object *object, asdic_problems *problems) {
     static const char *const shaped[] = {"rotation_deg", "crease_deg", "material", "type"};
     for (size_t i = 0; asdic_yaml_child(object->node, "point") && i < 4; i++) {
-        asdic_yaml_node *other = asdic_yaml_child(object->node, shaped[i]);
-        if (other) {
-            asdic_yaml_key_problem(problems, other, "'%s' has no effect on a point; leave it out",
-                                   shaped[i]);
-        }
+        refuse_idle(problems, object->node, shaped[i], "on a point; leave it out");
     }
 }
 
@@ -364,12 +355,7 @@ static void check_point(const file_object *object, asdic_problems *problems) {
 static void check_object_track(const file_object *object, asdic_problems *problems) {
     static const char *const places[] = {"position_m", "rotation_deg"};
     for (size_t i = 0; asdic_yaml_child(object->node, "track") && i < 2; i++) {
-        asdic_yaml_node *other = asdic_yaml_child(object->node, places[i]);
-        if (other) {
-            asdic_yaml_key_problem(problems, other,
-                                   "'%s' has no effect beside 'track'; give only one of them",
-                                   places[i]);
-        }
+        refuse_idle(problems, object->node, places[i], "beside 'track'; give only one of them");
     }
 }
 
@@ -418,13 +404,8 @@ static void check_pose(const asdic_scene_file *file, asdic_problems *problems) {
 static void check_remus(const file_waypoints *w, asdic_problems *problems) {
     static const char *const general[] = {"turn_radius_m", "response_s", "dive_rate_mps"};
     for (size_t i = 0; i < sizeof general / sizeof *general; i++) {
-        asdic_yaml_node *other = asdic_yaml_child(w->node, general[i]);
-        if (other) {
-            asdic_yaml_key_problem(problems, other,
-                                   "'%s' has no effect on 'vehicle: remus100', which has its own; "
-                                   "leave it out",
-                                   general[i]);
-        }
+        refuse_idle(problems, w->node, general[i],
+                    "on 'vehicle: remus100', which has its own; leave it out");
     }
     if (w->speed_mps < ASDIC_REMUS100_MIN_MPS || w->speed_mps > ASDIC_REMUS100_MAX_MPS) {
         asdic_yaml_problem(problems, at(w->node, "speed_mps"),
