@@ -198,11 +198,8 @@ asdic_status asdic_mission_write_scene(asdic_context *ctx, const asdic_mission *
     make_absolute(&r, root);
     apply(&r, mission, root, track);
     asdic_yaml_print(root, &r.text);
-    if (r.failed || r.text.failed) {
-        status = asdic_fail_memory(ctx, "a scene file");
-        goto done;
-    }
-    status = asdic_file_write_all(ctx, path, r.text.data, r.text.length);
+    r.text.failed |= r.failed;
+    status = asdic_file_write_text(ctx, path, &r.text, "a scene file", false);
 done:
     asdic_problems_finish(&problems);
     asdic_text_finish(&r.text);

@@ -1,6 +1,7 @@
 #include "file.h"
 
 #include "base/context.h"
+#include "base/text.h"
 #include "base/try.h"
 
 #include <errno.h>
@@ -247,6 +248,15 @@ asdic_status asdic_file_write_all(asdic_context *ctx, const char *path, const vo
 asdic_status asdic_file_write_soon(asdic_context *ctx, const char *path, const void *bytes,
                                    size_t length) {
     return write_whole(ctx, path, bytes, length, true);
+}
+
+asdic_status asdic_file_write_text(asdic_context *ctx, const char *path, asdic_text *text,
+                                   const char *what, bool soon) {
+    asdic_status status =
+        text->failed ? asdic_fail_memory(ctx, what)
+                     : write_whole(ctx, path, text->length ? text->data : "", text->length, soon);
+    asdic_text_finish(text);
+    return status;
 }
 
 bool asdic_file_is_same(const char *a, const char *b) {

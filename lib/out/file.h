@@ -12,6 +12,7 @@
 #include <stdio.h>
 
 typedef struct asdic_file asdic_file;
+struct asdic_text;
 
 asdic_status asdic_file_create(asdic_context *ctx, const char *path, asdic_file **out);
 
@@ -45,6 +46,10 @@ asdic_status asdic_file_write_all(asdic_context *ctx, const char *path, const vo
 /* The same without waiting for the disk, for data sets of many small files. */
 asdic_status asdic_file_write_soon(asdic_context *ctx, const char *path, const void *bytes,
                                    size_t length);
+
+/* Writes TEXT, of WHAT, as the whole file, SOON as asdic_file_write_soon does. TEXT is empty afterwards. */
+asdic_status asdic_file_write_text(asdic_context *ctx, const char *path, struct asdic_text *text,
+                                   const char *what, bool soon);
 
 /* Whether both paths lead to one file or folder, which is there. */
 bool asdic_file_is_same(const char *a, const char *b);

@@ -179,10 +179,7 @@ static asdic_status settle(asdic_context *ctx, const char *folder, const char *p
 static asdic_status write_json(asdic_context *ctx, const asdic_trial *trial, const char *path) {
     asdic_text text = {0};
     asdic_trial_print(&trial->facts, trial->results, (const char *const *)trial->names, &text);
-    asdic_status status = text.failed ? asdic_fail_memory(ctx, "trial.json")
-                                      : asdic_file_write_all(ctx, path, text.data, text.length);
-    asdic_text_finish(&text);
-    return status;
+    return asdic_file_write_text(ctx, path, &text, "trial.json", false);
 }
 
 asdic_status asdic_trial_complete(asdic_context *ctx, asdic_trial *trial, const char *folder) {

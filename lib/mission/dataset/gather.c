@@ -250,15 +250,8 @@ static const char *classes_of(const gatherer *g) {
 }
 
 static asdic_status write_text(gatherer *g, const char *name, asdic_text *text) {
-    size_t length = text->length;
-    char *whole = text->failed ? NULL : asdic_text_take(text);
-    if (!whole && length > 0) {
-        return asdic_fail_memory(g->ctx, "a data set");
-    }
-    asdic_status status = asdic_file_write_all(g->ctx, asdic_file_in(g->options->folder, name).text,
-                                               whole ? whole : "", length);
-    free(whole);
-    return status;
+    return asdic_file_write_text(g->ctx, asdic_file_in(g->options->folder, name).text, text,
+                                 "a data set", false);
 }
 
 static asdic_status write_coco(gatherer *g, int form) {
@@ -276,16 +269,11 @@ static asdic_status write_coco(gatherer *g, int form) {
     asdic_text_add(&text, "],\n\"images\":[");
     asdic_text_add_bytes(&text, g->images[form].data, g->images[form].length);
     asdic_text_add(&text, "],\n\"annotations\":[");
-    if (g->annotations[form].length > 0) {
-        asdic_text_add_bytes(&text, g->annotations[form].data, g->annotations[form].length);
-    }
+    asdic_text_add_bytes(&text, g->annotations[form].data, g->annotations[form].length);
     asdic_text_add(&text, "]}\n");
-    bool failed = g->images[form].failed || g->annotations[form].failed;
+    text.failed |= g->images[form].failed || g->annotations[form].failed;
     snprintf(path, sizeof path, "%s/annotations.json", asdic_form_names[form]);
-    asdic_status status =
-        failed ? asdic_fail_memory(g->ctx, "a data set") : write_text(g, path, &text);
-    asdic_text_finish(&text);
-    return status;
+    return write_text(g, path, &text);
 }
 
 static asdic_status gather(gatherer *g) {

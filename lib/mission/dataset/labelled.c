@@ -211,12 +211,9 @@ static asdic_status write_labels(asdic_context *ctx, const asdic_labelled *f, as
         asdic_text_add(record, "]}\n");
     }
     free(boxes);
-    asdic_status status = yolo.failed || record->failed
-                              ? asdic_fail_memory(ctx, "labels")
-                              : asdic_file_write_soon(ctx, path_of(f, form, "labels", "txt").text,
-                                                      yolo.length ? yolo.data : "", yolo.length);
-    asdic_text_finish(&yolo);
-    return status;
+    yolo.failed |= record->failed;
+    return asdic_file_write_text(ctx, path_of(f, form, "labels", "txt").text, &yolo, "labels",
+                                 true);
 }
 
 static asdic_status write_form(asdic_context *ctx, const asdic_labelled *f, asdic_view_form form,
@@ -257,17 +254,22 @@ static asdic_status add_sizes(asdic_context *ctx, const char *folder, size_t ind
     return record->failed ? asdic_fail_memory(ctx, "a frame's record") : ASDIC_OK;
 }
 
-static asdic_status write_record(asdic_context *ctx, const asdic_labelled *f,
-                                 const asdic_text *facts) {
+static asdic_status write_record(asdic_context *ctx, const asdic_labelled *f, asdic_text *record) {
+    const asdic_file_name path = asdic_frame_path(f->folder, "frames", f->index, "txt");
+    return asdic_file_write_text(ctx, path.text, record, "a frame's record", true);
+}
+
+/* The record of a frame with pictures, of which FACTS tells. */
+static asdic_status write_facts(asdic_context *ctx, const asdic_labelled *f,
+                                const asdic_text *facts) {
     asdic_text record = {.failed = facts->failed};
     asdic_status status = add_sizes(ctx, f->folder, f->index, facts->length, &record);
+    if (status) {
+        asdic_text_finish(&record);
+        return status;
+    }
     asdic_text_add_bytes(&record, facts->data, facts->length);
-    const asdic_file_name path = asdic_frame_path(f->folder, "frames", f->index, "txt");
-    status = status          ? status
-             : record.failed ? asdic_fail_memory(ctx, "a frame's record")
-                             : asdic_file_write_soon(ctx, path.text, record.data, record.length);
-    asdic_text_finish(&record);
-    return status;
+    return write_record(ctx, f, &record);
 }
 
 /* The record of a frame without pictures; others' files must not seem to be its own. */
@@ -275,12 +277,7 @@ static asdic_status write_void(asdic_context *ctx, const asdic_labelled *f) {
     asdic_text record = {0};
     asdic_frame_remove(f->folder, f->index);
     asdic_text_format(&record, "V%s\n", f->facts);
-    const asdic_file_name path = asdic_frame_path(f->folder, "frames", f->index, "txt");
-    asdic_status status = record.failed
-                              ? asdic_fail_memory(ctx, "a frame's record")
-                              : asdic_file_write_soon(ctx, path.text, record.data, record.length);
-    asdic_text_finish(&record);
-    return status;
+    return write_record(ctx, f, &record);
 }
 
 /* Records of older sets have no line of sizes, void frames no files. */
@@ -318,7 +315,7 @@ static asdic_status write_all(asdic_context *ctx, const asdic_labelled *f, float
     for (int form = 0; form < ASDIC_FORM_COUNT; form++) {
         TRY(write_form(ctx, f, (asdic_view_form)form, s, pixels, record));
     }
-    return write_record(ctx, f, record);
+    return write_facts(ctx, f, record);
 }
 
 asdic_status asdic_frame_write(asdic_context *ctx, const asdic_labelled *frame) {

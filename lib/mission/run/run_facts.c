@@ -333,14 +333,9 @@ asdic_status asdic_run_facts_write(asdic_context *ctx, const char *folder,
     add_elements(&json, &facts->elements);
     add_files(&json, facts);
     asdic_text_add(&json, SUM_KEY "00000000" SUM_END);
-    size_t length = json.length;
-    char *all = asdic_text_take(&json);
-    if (all) {
-        asdic_run_facts_sign(all, length);
+    if (!json.failed) {
+        asdic_run_facts_sign(json.data, json.length);
     }
-    asdic_status status =
-        all ? asdic_file_write_all(ctx, asdic_file_in(folder, "run.json").text, all, length)
-            : asdic_fail_memory(ctx, "run.json");
-    free(all);
-    return status;
+    return asdic_file_write_text(ctx, asdic_file_in(folder, "run.json").text, &json, "run.json",
+                                 false);
 }
