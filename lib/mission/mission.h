@@ -7,6 +7,7 @@
 
 #include <asdic/mission.h>
 
+#include "laws/scatterer.h"
 #include "mission_settings.h"
 #include "mission/scene_file/trial_plan.h"
 #include "mission/track/flight.h"
@@ -96,6 +97,9 @@ asdic_status asdic_mission_load_same(asdic_context *ctx, const char *path, const
 
 /* The place of NAME among the mission's classes, from 1; 0: it is none of them. */
 size_t asdic_mission_class(const asdic_mission *mission, const char *name);
+
+/* The water in which the first ping meets what scatters. */
+asdic_law_water asdic_mission_law_water(const asdic_mission *mission);
 
 /* asdic_mission_uncertainty of OBJECT, an index, alone. */
 double asdic_mission_object_uncertainty_db(const asdic_mission *mission, size_t object);

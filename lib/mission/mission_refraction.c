@@ -338,11 +338,7 @@ static void choose(const asdic_mission *mission, asdic_refraction_plan *out) {
                         : ASDIC_REFRACTION_FULL;
     say_change(straight, sizeof straight, out->off_db);
     say_change(layer, sizeof layer, out->layer_db);
-    const asdic_environment *env = asdic_mission_environment(mission);
-    const asdic_sonar *sonar = asdic_mission_sonar(mission);
-    asdic_water_column column =
-        asdic_water_column_at(env, sonar, asdic_mission_pose(mission, 0, NULL).position_m.z);
-    const asdic_law_water water = asdic_water_column_laws(&column, env, sonar);
+    const asdic_law_water water = asdic_mission_law_water(mission);
     bool mirrors =
         asdic_scene_mirrors(mission->scene, mission->settings.sampling.multipath, &water);
     snprintf(out->reason, sizeof out->reason,

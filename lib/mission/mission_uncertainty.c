@@ -14,8 +14,7 @@ static double of_material(const asdic_material *material, const asdic_law_water 
     return asdic_scatterer_uncertainty_db(&s);
 }
 
-/* Of the water in which the first ping meets what scatters. */
-static asdic_law_water water_of(const asdic_mission *mission) {
+asdic_law_water asdic_mission_law_water(const asdic_mission *mission) {
     const asdic_environment *env = &mission->settings.environment;
     const asdic_sonar *sonar = &mission->settings.sonar;
     double depth_m = asdic_mission_pose(mission, 0, NULL).position_m.z;
@@ -24,7 +23,7 @@ static asdic_law_water water_of(const asdic_mission *mission) {
 }
 
 double asdic_mission_object_uncertainty_db(const asdic_mission *mission, size_t object) {
-    asdic_law_water water = water_of(mission);
+    asdic_law_water water = asdic_mission_law_water(mission);
     return of_material(&mission->objects[object].material, &water);
 }
 
@@ -36,7 +35,7 @@ asdic_uncertainty asdic_mission_uncertainty(const asdic_mission *mission) {
     if (!mission) {
         return out;
     }
-    asdic_law_water water = water_of(mission);
+    asdic_law_water water = asdic_mission_law_water(mission);
     out.db[ASDIC_BOTTOM] = of_material(&mission->bottom, &water);
     if (mission->scene->has_surface) {
         out.db[ASDIC_SURFACE] = of_material(&mission->scene->surface, &water);
