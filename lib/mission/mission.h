@@ -133,6 +133,10 @@ size_t asdic_mission_lesson(const asdic_mission *mission, size_t first, size_t m
 asdic_status asdic_mission_place_at(const asdic_mission *mission, asdic_simulator *simulator,
                                     double time_s);
 
+/* Adds a remark to OUT, where there is room for one. */
+void asdic_remark_add(asdic_remarks *out, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+
 /* Where rays that bend do not come, in the first ping: shadows, turning and trapped rays. */
 void asdic_mission_remark_water(const asdic_mission *mission, asdic_remarks *out);
 

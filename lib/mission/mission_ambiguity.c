@@ -9,7 +9,6 @@
 #include "scene/ambiguity.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 
 /* From so many decibels on that hang on whether faces are flat or round it is remarked, of so many meshes. */
@@ -101,8 +100,8 @@ void asdic_mission_remark_ambiguity(const asdic_mission *m, double speed_mps, as
                         a->found.area_m2, asdic_sonar_max_range_m(sonar, speed_mps)};
         double db = flash_db(&f, a->found.turn_rad);
         if (db > AT_STAKE_DB) {
-            snprintf(
-                out->text[out->count++], ASDIC_REMARK_SIZE,
+            asdic_remark_add(
+                out,
                 "objects: '%s' has %zu edges of up to %.3g degrees where plates may meet, or a "
                 "round body be cut: %.1f dB square to a face; default round below %g, "
                 "'crease_deg: 0' all plates, %g all round",

@@ -10,8 +10,18 @@
 #include "sim/ring.h"
 
 #include <math.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
+
+void asdic_remark_add(asdic_remarks *out, const char *format, ...) {
+    va_list args;
+    va_start(args, format);
+    if (out->count < ASDIC_MOST_REMARKS) {
+        vsnprintf(out->text[out->count++], ASDIC_REMARK_SIZE, format, args);
+    }
+    va_end(args);
+}
 
 /* The quantities that the validity of laws is stated in, by the names of `asdic model`. */
 typedef struct situation {
@@ -64,17 +74,18 @@ static void remark(const asdic_model_info *info, const asdic_material *material,
 /* Adds that rays are too few, where they are. */
 static void remark_rays(const asdic_mission *m, asdic_remarks *out) {
     asdic_ray_forecast f = asdic_mission_ray_forecast(m);
-    if (f.is_rough && out->count < ASDIC_MOST_REMARKS) {
+    if (f.is_rough) {
         char more[64] = "";
         if (f.is_auto) { /* and few all the same: as many as it ever takes */
             snprintf(more, sizeof more, "; a number of your own, or a tolerance, takes more");
         } else if (f.auto_rays > f.rays) {
             snprintf(more, sizeof more, "; 'rays: auto' would take %u", f.auto_rays);
         }
-        snprintf(out->text[out->count++], ASDIC_REMARK_SIZE,
-                 "rays: %u a ping%s are few for this sonar and scene: expect a stated error of "
-                 "about %.1f dB r.m.s.%s",
-                 f.rays, f.is_auto ? ", the most that 'auto' takes," : "", f.stderr_db, more);
+        asdic_remark_add(
+            out,
+            "rays: %u a ping%s are few for this sonar and scene: expect a stated error of "
+            "about %.1f dB r.m.s.%s",
+            f.rays, f.is_auto ? ", the most that 'auto' takes," : "", f.stderr_db, more);
     }
 }
 
@@ -85,9 +96,9 @@ static void remark_rays(const asdic_mission *m, asdic_remarks *out) {
 static void remark_on_sonar(const asdic_settings *settings, double speed_mps, asdic_remarks *out) {
     const asdic_sonar *sonar = &settings->sonar;
     double cell_m = speed_mps / (2.0 * sonar->bandwidth_hz);
-    if (out->count < ASDIC_MOST_REMARKS && cell_m > MOST_BINS * sonar->bin_length_m) {
-        snprintf(
-            out->text[out->count++], ASDIC_REMARK_SIZE,
+    if (cell_m > MOST_BINS * sonar->bin_length_m) {
+        asdic_remark_add(
+            out,
             "sonar: the range resolution c / (2 bandwidth) of %.4g m is %.3g bins, of which each "
             "holds its part of an echo, %.1f dB less than all; 'bandwidth_khz' is %g kHz",
             cell_m, cell_m / sonar->bin_length_m, 10.0 * log10(cell_m / sonar->bin_length_m),
@@ -95,20 +106,21 @@ static void remark_on_sonar(const asdic_settings *settings, double speed_mps, as
     }
     double wavelength_m = speed_mps / sonar->frequency_hz;
     size_t dark = asdic_receivers_in_the_dark(sonar, wavelength_m);
-    if (out->count < ASDIC_MOST_REMARKS && 2 * dark > sonar->receiver_count) {
-        snprintf(out->text[out->count++], ASDIC_REMARK_SIZE,
-                 "sonar: %zu of %zu receivers look where 'transmitter' sends less than a hundredth "
-                 "of what it sends ahead: it is %.3g wavelengths wide and %.3g high",
-                 dark, sonar->receiver_count, sonar->transmitter.length_h_m / wavelength_m,
-                 sonar->transmitter.length_v_m / wavelength_m);
+    if (2 * dark > sonar->receiver_count) {
+        asdic_remark_add(
+            out,
+            "sonar: %zu of %zu receivers look where 'transmitter' sends less than a hundredth "
+            "of what it sends ahead: it is %.3g wavelengths wide and %.3g high",
+            dark, sonar->receiver_count, sonar->transmitter.length_h_m / wavelength_m,
+            sonar->transmitter.length_v_m / wavelength_m);
     }
-    if (out->count < ASDIC_MOST_REMARKS && !settings->has_source_level) {
-        snprintf(out->text[out->count++], ASDIC_REMARK_SIZE,
-                 "sonar: no 'source_level_db': %s are those of a source of 0 dB re 1 uPa at 1 m%s",
-                 sonar->noise_enabled ? "echoes" : "levels",
-                 sonar->noise_enabled ? ", far below the noise, which is absolute; give one, or "
-                                        "'noise: {enabled: false}'"
-                                      : "");
+    if (!settings->has_source_level) {
+        asdic_remark_add(
+            out, "sonar: no 'source_level_db': %s are those of a source of 0 dB re 1 uPa at 1 m%s",
+            sonar->noise_enabled ? "echoes" : "levels",
+            sonar->noise_enabled ? ", far below the noise, which is absolute; give one, or "
+                                   "'noise: {enabled: false}'"
+                                 : "");
     }
 }
 
@@ -126,9 +138,9 @@ static void remark_on_small_objects(const asdic_mission *m, double wavelength_m,
         small += is_small;
         least = is_small && (!least || part->radius_m < least->radius_m) ? part : least;
     }
-    if (small > 0 && out->count < ASDIC_MOST_REMARKS) {
-        snprintf(
-            out->text[out->count++], ASDIC_REMARK_SIZE,
+    if (small > 0) {
+        asdic_remark_add(
+            out,
             "objects: of '%s' k a is %.2g, and %zu in all have less than %g: too small for rays "
             "and facets; a 'point' has the strength that is known of it",
             least->name, 2.0 * ASDIC_PI * least->radius_m / wavelength_m, small, LEAST_KA);
@@ -168,10 +180,9 @@ static void remark_on_motion(const asdic_mission *m, double speed_mps, asdic_rem
         width_rad = fmin(width_rad, asdic_beam_width_rad(sonar, b, speed_mps));
     }
     most_move(m, 2.0 * range_m / speed_mps, &turn_rad, &way_m);
-    bool moves = turn_rad > width_rad || way_m > MOST_WAY * sonar->bin_length_m;
-    if (moves && out->count < ASDIC_MOST_REMARKS) {
-        snprintf(
-            out->text[out->count++], ASDIC_REMARK_SIZE,
+    if (turn_rad > width_rad || way_m > MOST_WAY * sonar->bin_length_m) {
+        asdic_remark_add(
+            out,
             "mission: until the last echo of a ping the vehicle goes up to %.2g m and turns up to "
             "%.2g degrees, of beams of %.2g; a ping is simulated as of one instant",
             way_m, turn_rad * (180.0 / ASDIC_PI), width_rad * (180.0 / ASDIC_PI));

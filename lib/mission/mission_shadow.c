@@ -7,7 +7,6 @@
 #include "sim/bent_ray.h"
 
 #include <math.h>
-#include <stdio.h>
 
 /* Rays from -STEEPEST to STEEPEST; those nearer the horizontal decide. */
 #define STEEPEST_RAD 0.5
@@ -49,11 +48,6 @@ static water_ray follow(const asdic_layers *layers, double depth_m, double eleva
     }
     out.reach_m = ray.level_spm * ray.area_m2_per_s;
     return out;
-}
-
-/* The next remark's text; NULL: there is no room. */
-static char *next_text(asdic_remarks *out) {
-    return out->count < ASDIC_MOST_REMARKS ? out->text[out->count++] : NULL;
 }
 
 /* What a fan of rays tells. */
@@ -132,10 +126,9 @@ void asdic_mission_remark_water(const asdic_mission *mission, asdic_remarks *out
         double reach_m = f.reach_m[planes[i].end];
         double straight_m = straight_reach_m(planes[i].away_m, range_m);
         bool is_short = reach_m < SHADOW_SHARE * straight_m;
-        char *text = planes[i].is_there && is_short ? next_text(out) : NULL;
-        if (text) {
-            snprintf(
-                text, ASDIC_REMARK_SIZE,
+        if (planes[i].is_there && is_short) {
+            asdic_remark_add(
+                out,
                 "water: no ray of the first ping reaches the %s beyond %.4g m: a shadow begins "
                 "there",
                 planes[i].name, reach_m);
@@ -143,13 +136,13 @@ void asdic_mission_remark_water(const asdic_mission *mission, asdic_remarks *out
     }
     bool turn = f.turn_most_rad - f.turn_least_rad > TELLING_RAD;
     bool trapped = f.most_rad - f.least_rad > TELLING_RAD;
-    char *text = turn || trapped ? next_text(out) : NULL;
-    if (text) {
-        snprintf(text, ASDIC_REMARK_SIZE,
-                 "water: rays of the first ping that leave between %g and %g degrees below the "
-                 "horizontal %s",
-                 tenths(trapped ? f.least_rad : f.turn_least_rad),
-                 tenths(trapped ? f.most_rad : f.turn_most_rad),
-                 trapped ? "turn back and forth: trapped in a channel" : "turn before they end");
+    if (turn || trapped) {
+        asdic_remark_add(
+            out,
+            "water: rays of the first ping that leave between %g and %g degrees below the "
+            "horizontal %s",
+            tenths(trapped ? f.least_rad : f.turn_least_rad),
+            tenths(trapped ? f.most_rad : f.turn_most_rad),
+            trapped ? "turn back and forth: trapped in a channel" : "turn before they end");
     }
 }
