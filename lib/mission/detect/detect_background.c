@@ -333,8 +333,8 @@ static void take_record(asdic_backdrop *b) {
     const float *level = levels_of(b, 0), *mirrored = levels_of(b, 1), *error = levels_of(b, 2);
     for (size_t i = 0; i < b->cells; i++) {
         bool is_known = !isnan(level[i]);
-        b->mean_lin[i] = is_known ? pow(10.0, 0.1 * (double)level[i]) : 0.0;
-        b->mirrored_lin[i] = isnan(mirrored[i]) ? 0.0 : pow(10.0, 0.1 * (double)mirrored[i]);
+        b->mean_lin[i] = asdic_detect_lin(level[i]);
+        b->mirrored_lin[i] = asdic_detect_lin(mirrored[i]);
         double share = isnan(error[i]) ? 0.0 : (double)error[i] * 0.1 * log(10.0);
         b->variance_lin2[i] = pow(share * b->mean_lin[i], 2);
         b->missed_lin2[i] = missed_of(b->mean_lin[i], b->variance_lin2[i]);

@@ -10,6 +10,8 @@
 
 #include <asdic/detections.h>
 
+#include <math.h>
+
 typedef struct asdic_backdrop asdic_backdrop;
 
 typedef enum asdic_backdrop_kind { ASDIC_BACKDROP_EMPTY, ASDIC_BACKDROP_PARTS } asdic_backdrop_kind;
@@ -36,6 +38,11 @@ void asdic_backdrop_add_error(const asdic_backdrop *backdrop, float *error_db);
 
 /* Whether SAMPLING lets the planes of FLAT mirror what is scattered, of which a quadrature knows nothing. */
 bool asdic_flat_scene_mirrors(const asdic_flat_scene *flat, const asdic_sampling *sampling);
+
+/* Of a record's level; 0 where there is none. */
+static inline double asdic_detect_lin(float level_db) {
+    return isnan(level_db) ? 0.0 : pow(10.0, 0.1 * (double)level_db);
+}
 
 /* The median standard error of the bins read so far, dB. */
 double asdic_backdrop_error_db(const asdic_backdrop *backdrop);

@@ -103,11 +103,6 @@ static double shift(double lin, double error_db) {
     return isnan(error_db) ? 0.0 : lin * (pow(10.0, 0.1 * error_db) - 1.0);
 }
 
-static double part_lin(const asdic_record *record, asdic_component part, size_t cell) {
-    double db = (double)record->level_db[part][cell];
-    return isnan(db) ? 0.0 : pow(10.0, 0.1 * db);
-}
-
 /* The factor on the background, which the threshold follows, when its laws err by SIGN times what they state. Of a
  * simulated one only the sum is known: what an object hides of it counts as bottom. */
 static double background_factor(const asdic_detect_job *job, const asdic_record *record,
@@ -115,8 +110,8 @@ static double background_factor(const asdic_detect_job *job, const asdic_record 
     const double *db = job->info.uncertainty.db;
     double mean = job->backdrop || job->expected ? asdic_scan_get(job->scan).background_lin[cell]
                                                  : job->rest_lin[cell];
-    double bottom = part_lin(record, ASDIC_BOTTOM, cell);
-    double surface = part_lin(record, ASDIC_SURFACE, cell);
+    double bottom = asdic_detect_lin(record->level_db[ASDIC_BOTTOM][cell]);
+    double surface = asdic_detect_lin(record->level_db[ASDIC_SURFACE][cell]);
     if (job->expected) {
         bottom = job->expected->intensity_lin[ASDIC_BOTTOM][cell];
         surface = job->expected->intensity_lin[ASDIC_SURFACE][cell];
@@ -134,9 +129,10 @@ static double pd_with_error(const asdic_detect_job *job, const asdic_record *rec
                             double sign) {
     const double *db = job->info.uncertainty.db;
     double threshold = asdic_scan_get(job->scan).threshold_lin[cell];
-    double rest_lin = job->rest_lin[cell] +
-                      shift(part_lin(record, ASDIC_BOTTOM, cell), sign * db[ASDIC_BOTTOM]) +
-                      shift(part_lin(record, ASDIC_SURFACE, cell), sign * db[ASDIC_SURFACE]);
+    double rest_lin =
+        job->rest_lin[cell] +
+        shift(asdic_detect_lin(record->level_db[ASDIC_BOTTOM][cell]), sign * db[ASDIC_BOTTOM]) +
+        shift(asdic_detect_lin(record->level_db[ASDIC_SURFACE][cell]), sign * db[ASDIC_SURFACE]);
     double own_db = asdic_namer_uncertainty_db(job->namer, (size_t)job->label[cell]);
     double echo = isnan(own_db) ? 1.0 : pow(10.0, -0.1 * sign * own_db);
     asdic_background rest =
@@ -156,7 +152,7 @@ static asdic_band band_of(const asdic_detect_job *job, const asdic_record *recor
                         pd_with_error(job, record, cell, -1.0)};
 }
 
-static asdic_detect_class *class_of(asdic_detect_job *job, size_t cell) {
+asdic_detect_class *asdic_detect_class_of(const asdic_detect_job *job, size_t cell) {
     asdic_detect_class *others = job->report->classes + objects_of(job);
     switch (job->truth[cell]) {
     case ASDIC_TRUTH_OBJECT:
@@ -214,7 +210,7 @@ void asdic_detect_count(asdic_detect_job *job, const asdic_record *record) {
         if (isnan(threshold_lin[i])) {
             continue;
         }
-        asdic_detect_class *c = class_of(job, i);
+        asdic_detect_class *c = asdic_detect_class_of(job, i);
         r->bins++;
         r->detections += job->detected[i];
         c->bins++;

@@ -88,14 +88,13 @@ void asdic_detect_finish_report(asdic_detect_job *job);
 /* The law of what is in a bin beside an object's echo. */
 asdic_background asdic_detect_rest(const asdic_detect_job *job, size_t cell);
 double asdic_detect_bin_pd(const asdic_detect_job *job, size_t cell);
+/* What of the report a bin's truth belongs to. */
+asdic_detect_class *asdic_detect_class_of(const asdic_detect_job *job, size_t cell);
 
 /* detect_output.c: the occupancy map. */
 asdic_status asdic_detect_create_map(asdic_detect_job *job);
 asdic_status asdic_detect_add_to_map(asdic_detect_job *job, const asdic_record *record);
 asdic_status asdic_detect_draw_map(asdic_detect_job *job);
-
-/* Names of a bin's truth: the object's, or "ghost", "faint", "none". */
-const char *asdic_detect_truth_name(const asdic_detect_job *job, size_t cell);
 
 /* World position of a bin on its beam's axis. */
 asdic_vec3 asdic_detect_position(const asdic_detect_job *job, const asdic_record *record,

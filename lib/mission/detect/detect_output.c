@@ -159,20 +159,6 @@ asdic_vec3 asdic_detect_position(const asdic_detect_job *job, const asdic_record
     return asdic_vec3_add(record->pose.position_m, asdic_vec3_scale(axis, range_m));
 }
 
-const char *asdic_detect_truth_name(const asdic_detect_job *job, size_t cell) {
-    switch (job->truth[cell]) {
-    case ASDIC_TRUTH_OBJECT:
-        return asdic_namer_name(job->namer, (size_t)job->label[cell]);
-    case ASDIC_TRUTH_GHOST:
-        return "ghost";
-    case ASDIC_TRUTH_FAINT:
-        return "faint";
-    case ASDIC_TRUTH_NONE:
-        break;
-    }
-    return "none";
-}
-
 asdic_status asdic_detect_write_rows(asdic_detect_job *job, const asdic_record *record) {
     asdic_scan_result result = asdic_scan_get(job->scan);
     FILE *out = asdic_file_stream(job->detections);
@@ -184,7 +170,7 @@ asdic_status asdic_detect_write_rows(asdic_detect_job *job, const asdic_record *
         size_t b = i / job->info.bins, n = i % job->info.bins;
         asdic_vec3 at = asdic_detect_position(job, record, b, n);
         asdic_csv_field(beam, job->info.sonar->receivers[b].name);
-        asdic_csv_field(name, asdic_detect_truth_name(job, i));
+        asdic_csv_field(name, asdic_detect_class_of(job, i)->name);
         pd[0] = 0;
         if (job->truth[i] == ASDIC_TRUTH_OBJECT) {
             snprintf(pd, sizeof pd, "%.9g", asdic_detect_bin_pd(job, i));

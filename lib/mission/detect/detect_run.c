@@ -33,21 +33,17 @@ asdic_detect_options asdic_detect_options_default(void) {
                                   .tracker = asdic_tracker_options_default()};
 }
 
-static double linear(float level_db) {
-    return isnan(level_db) ? 0.0 : pow(10.0, 0.1 * (double)level_db);
-}
-
 /* The ping's intensities, and the truth about each bin. */
 static void read_truth(asdic_detect_job *job, const asdic_record *record) {
     double least = pow(10.0, 0.1 * job->options->truth_snr_db);
     for (size_t i = 0; i < job->info.beams * job->info.bins; i++) {
-        double object = linear(record->level_db[ASDIC_OBJECT][i]);
-        double ghost = linear(record->level_db[ASDIC_MULTIPATH][i]);
-        job->intensity_lin[i] = linear(record->level_db[ASDIC_TOTAL][i]);
-        job->noise_lin[i] = linear(record->level_db[ASDIC_NOISE][i]);
-        double rest = linear(record->level_db[ASDIC_BOTTOM][i]) +
-                      linear(record->level_db[ASDIC_SURFACE][i]) +
-                      linear(record->level_db[ASDIC_VOLUME][i]) + job->noise_lin[i];
+        double object = asdic_detect_lin(record->level_db[ASDIC_OBJECT][i]);
+        double ghost = asdic_detect_lin(record->level_db[ASDIC_MULTIPATH][i]);
+        job->intensity_lin[i] = asdic_detect_lin(record->level_db[ASDIC_TOTAL][i]);
+        job->noise_lin[i] = asdic_detect_lin(record->level_db[ASDIC_NOISE][i]);
+        double rest = asdic_detect_lin(record->level_db[ASDIC_BOTTOM][i]) +
+                      asdic_detect_lin(record->level_db[ASDIC_SURFACE][i]) +
+                      asdic_detect_lin(record->level_db[ASDIC_VOLUME][i]) + job->noise_lin[i];
         job->rest_lin[i] = rest;
         job->object_lin[i] = object + ghost;
         job->truth[i] = object > 0.0 && object >= least * (rest + ghost)  ? ASDIC_TRUTH_OBJECT
