@@ -6,6 +6,7 @@
 #include "base/vec.h"
 #include "base/words.h"
 #include "loop.h"
+#include "out/digits.h"
 #include "out/png_file.h"
 #include "scene/chart.h"
 #include "sim/ring.h"
@@ -18,17 +19,6 @@
 #define RELIEF_CELLS 180
 #define WIDEST_RAD 1.45 /* half of a cone: at a right angle its tangent ends */
 
-/* Thousands apart: "20,000". */
-static void with_commas(char text[24], uint32_t value) {
-    if (value >= 1000000) {
-        snprintf(text, 24, "%u,%03u,%03u", value / 1000000, value / 1000 % 1000, value % 1000);
-    } else if (value >= 1000) {
-        snprintf(text, 24, "%u,%03u", value / 1000, value % 1000);
-    } else {
-        snprintf(text, 24, "%u", value);
-    }
-}
-
 static void name_of(const asdic_view *view, char out[64]) {
     char *name = asdic_scene_name(asdic_mission_path(view->mission));
     int length = name ? (int)asdic_words_cut(name, strlen(name), 63) : 0;
@@ -37,12 +27,13 @@ static void name_of(const asdic_view *view, char out[64]) {
 }
 
 void asdic_view_write_title(asdic_view *view) {
-    char name[64], rays[24], wanted[24], budget[64], clock[48] = "as fast as it goes";
+    char name[64], rays[ASDIC_DIGITS_SIZE], wanted[ASDIC_DIGITS_SIZE], budget[64],
+        clock[48] = "as fast as it goes";
     const asdic_governor *g = &view->governor;
     double stretch = asdic_governor_stretch(g);
     name_of(view, name);
-    with_commas(rays, g->rays);
-    with_commas(wanted, g->wanted);
+    asdic_digits_grouped(rays, g->rays);
+    asdic_digits_grouped(wanted, g->wanted);
     snprintf(budget, sizeof budget, g->rays < g->wanted ? "%s of %s rays" : "%s rays", rays,
              wanted);
     if (view->options.real_time) {

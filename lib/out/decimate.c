@@ -66,3 +66,10 @@ void asdic_decimator_end(asdic_decimator *d) {
         close_group(d, d->rows_added / d->row_group, open);
     }
 }
+
+asdic_waterfall asdic_decimator_image(const asdic_decimator *d, double bin_length_m) {
+    return (asdic_waterfall){.levels_db = d->levels_db,
+                             .pings = d->rows,
+                             .bins = d->columns,
+                             .bin_length_m = bin_length_m * (double)d->column_group};
+}

@@ -5,7 +5,7 @@
 #ifndef ASDIC_OUT_DECIMATE_H
 #define ASDIC_OUT_DECIMATE_H
 
-#include <asdic/context.h>
+#include <asdic/output.h>
 
 static inline size_t asdic_divide_up(size_t a, size_t b) {
     return a / b + (a % b != 0);
@@ -28,5 +28,8 @@ void asdic_decimator_add(asdic_decimator *decimator, const float *levels_db);
 
 /* After the last row: completes a group that is not full. */
 void asdic_decimator_end(asdic_decimator *decimator);
+
+/* The result as a picture of bins that were BIN_LENGTH_M long. */
+asdic_waterfall asdic_decimator_image(const asdic_decimator *decimator, double bin_length_m);
 
 #endif

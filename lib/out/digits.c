@@ -142,3 +142,15 @@ size_t asdic_digits_float(char text[ASDIC_DIGITS_SIZE], float value) {
     text[0] = '-';
     return sign + place_point(text + sign, digits, shift);
 }
+
+void asdic_digits_grouped(char text[ASDIC_DIGITS_SIZE], uint64_t value) {
+    char digits[ASDIC_DIGITS_SIZE];
+    size_t length = asdic_digits_natural(digits, value), n = 0;
+    for (size_t i = 0; i < length; i++) {
+        text[n++] = digits[i];
+        if (i + 1 < length && (length - i - 1) % 3 == 0) {
+            text[n++] = ',';
+        }
+    }
+    text[n] = 0;
+}

@@ -22,6 +22,9 @@ size_t asdic_digits_time(char text[ASDIC_DIGITS_SIZE], double time_s);
 
 size_t asdic_digits_natural(char text[ASDIC_DIGITS_SIZE], uint64_t value);
 
+/* Thousands apart: "20,000". */
+void asdic_digits_grouped(char text[ASDIC_DIGITS_SIZE], uint64_t value);
+
 /* FORMAT is a printf format of one double; never a decimal comma. */
 size_t asdic_digits_print(char text[ASDIC_DIGITS_SIZE], const char *format, double value);
 

@@ -53,6 +53,10 @@ void asdic_draw_note(char note[ASDIC_NOTE_SIZE], const asdic_picture_options *op
  * angle below the level. */
 double asdic_fan_shown_deg(bool is_section, double bearing_deg);
 
+/* "30 log r + 0.02 r dB" */
+#define ASDIC_GAIN_SIZE 80
+void asdic_draw_gain(char text[ASDIC_GAIN_SIZE], double db_per_decade, double db_per_m);
+
 /* One statement more. */
 void asdic_draw_note_add(char note[ASDIC_NOTE_SIZE], const char *statement);
 

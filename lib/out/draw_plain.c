@@ -16,11 +16,7 @@ bool asdic_picture_annotated(void) {
 asdic_status asdic_draw_waterfall(asdic_context *ctx, const char *path,
                                   const asdic_waterfall *waterfall, const asdic_decimator *levels,
                                   const asdic_picture_options *options) {
-    asdic_waterfall shown = {.levels_db = levels->levels_db,
-                             .pings = levels->rows,
-                             .bins = levels->columns,
-                             .bin_length_m =
-                                 waterfall->bin_length_m * (double)levels->column_group};
+    asdic_waterfall shown = asdic_decimator_image(levels, waterfall->bin_length_m);
     return asdic_picture_raster(ctx, path, &shown, options);
 }
 

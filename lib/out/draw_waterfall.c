@@ -55,11 +55,7 @@ asdic_status asdic_draw_waterfall(asdic_context *ctx, const char *path,
     char note[ASDIC_NOTE_SIZE];
     asdic_canvas canvas = {.format = options->format};
     asdic_raster raster = {0};
-    asdic_waterfall shown = {.levels_db = levels->levels_db,
-                             .pings = levels->rows,
-                             .bins = levels->columns,
-                             .bin_length_m =
-                                 waterfall->bin_length_m * (double)levels->column_group};
+    asdic_waterfall shown = asdic_decimator_image(levels, waterfall->bin_length_m);
     asdic_draw_note(note, options, levels);
     page p = lay_out(waterfall, levels, options, note);
     asdic_status status = asdic_raster_levels(ctx, &shown, options, &raster);

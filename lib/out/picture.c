@@ -82,25 +82,25 @@ void asdic_draw_note_add(char note[ASDIC_NOTE_SIZE], const char *statement) {
     snprintf(note + used, ASDIC_NOTE_SIZE - used, "%s%s", used ? ASDIC_NOTE_PART : "", statement);
 }
 
-static void note_gain(char *note, const asdic_picture_options *options) {
-    char text[128], spread[ASDIC_DIGITS_SIZE], loss[ASDIC_DIGITS_SIZE];
-    if (options->tvg_db_per_decade == 0.0 && options->tvg_db_per_m == 0.0) {
-        return;
-    }
-    asdic_digits_print(spread, "%.4g", options->tvg_db_per_decade);
-    asdic_digits_print(loss, "%.4g", options->tvg_db_per_m);
-    snprintf(text, sizeof text, "time-varied gain for display: %s log r + %s r dB", spread, loss);
-    asdic_draw_note_add(note, text);
+void asdic_draw_gain(char text[ASDIC_GAIN_SIZE], double db_per_decade, double db_per_m) {
+    char spread[ASDIC_DIGITS_SIZE], loss[ASDIC_DIGITS_SIZE];
+    asdic_digits_print(spread, "%.4g", db_per_decade);
+    asdic_digits_print(loss, "%.4g", db_per_m);
+    snprintf(text, ASDIC_GAIN_SIZE, "%s log r + %s r dB", spread, loss);
 }
 
 void asdic_draw_note(char note[ASDIC_NOTE_SIZE], const asdic_picture_options *options,
                      const asdic_decimator *levels) {
-    char text[128];
+    char text[128], gain[ASDIC_GAIN_SIZE];
     note[0] = 0;
     if (options->note) {
         asdic_draw_note_add(note, options->note);
     }
-    note_gain(note, options);
+    if (options->tvg_db_per_decade != 0.0 || options->tvg_db_per_m != 0.0) {
+        asdic_draw_gain(gain, options->tvg_db_per_decade, options->tvg_db_per_m);
+        snprintf(text, sizeof text, "time-varied gain for display: %s", gain);
+        asdic_draw_note_add(note, text);
+    }
     if (levels && (levels->row_group > 1 || levels->column_group > 1)) {
         snprintf(text, sizeof text, "each pixel is the mean energy of %zu ping%s \u00d7 %zu bin%s",
                  levels->row_group, levels->row_group > 1 ? "s" : "", levels->column_group,

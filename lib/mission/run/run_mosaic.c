@@ -193,12 +193,10 @@ static asdic_status write_world(const mosaic *m, const char *path) {
 static asdic_status write(mosaic *m, const char *path, const asdic_picture_options *look) {
     asdic_raster raster;
     char low[ASDIC_DIGITS_SIZE], high[ASDIC_DIGITS_SIZE], facts[ASDIC_SUBTITLE_SIZE];
-    char spread[ASDIC_DIGITS_SIZE], loss[ASDIC_DIGITS_SIZE], gain[2 * ASDIC_DIGITS_SIZE + 16];
+    char gain[ASDIC_GAIN_SIZE];
     asdic_digits_print(low, "%g", look->db_low);
     asdic_digits_print(high, "%g", look->db_high);
-    asdic_digits_print(spread, "%.4g", m->db_per_decade);
-    asdic_digits_print(loss, "%.4g", m->db_per_m);
-    snprintf(gain, sizeof gain, "%s log r + %s r dB", spread, loss);
+    asdic_draw_gain(gain, m->db_per_decade, m->db_per_m);
     asdic_picture_subtitle(m->info.sonar, m->bin_length_m, facts);
     const char *const texts[] = {"Software",    "asdic",
                                  "scene",       m->info.scene_name,

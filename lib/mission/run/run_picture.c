@@ -2,24 +2,12 @@
 
 #include "base/context.h"
 #include "out/digits.h"
+#include "out/draw.h"
 #include "run_facts.h"
 
 #include <ctype.h>
 #include <stdio.h>
 #include <string.h>
-
-/* "20000" as "20,000". */
-static void group_digits(char out[40], uint64_t value) {
-    char digits[ASDIC_DIGITS_SIZE];
-    size_t length = asdic_digits_natural(digits, value), n = 0;
-    for (size_t i = 0; i < length; i++) {
-        out[n++] = digits[i];
-        if (i + 1 < length && (length - i - 1) % 3 == 0) {
-            out[n++] = ',';
-        }
-    }
-    out[n] = 0;
-}
 
 /* Where the sampling's error may be taken for structure of the sea floor. */
 static void add_error(asdic_render *r) {
@@ -35,10 +23,10 @@ static void add_error(asdic_render *r) {
 
 /* Subtitle and note of every picture, and the text chunks in its file. */
 void asdic_render_describe(asdic_render *r) {
-    char rays[40], spread[ASDIC_DIGITS_SIZE], loss[ASDIC_DIGITS_SIZE];
+    char rays[ASDIC_DIGITS_SIZE];
     const asdic_sampling *sampling = &r->info.sampling;
     asdic_picture_subtitle(r->info.sonar, r->run->facts.bin_length_m, r->facts);
-    group_digits(rays, sampling->rays);
+    asdic_digits_grouped(rays, sampling->rays);
     if (sampling->coherent) { /* which draw no rays */
         snprintf(r->note, sizeof r->note, "coherent, about %s scatterers a ping", rays);
     } else {
@@ -52,9 +40,7 @@ void asdic_render_describe(asdic_render *r) {
     asdic_digits_natural(r->seed, sampling->seed);
     asdic_digits_print(r->low, "%g", r->options.db_low);
     asdic_digits_print(r->high, "%g", r->options.db_high);
-    asdic_digits_print(spread, "%.4g", r->options.tvg_db_per_decade);
-    asdic_digits_print(loss, "%.4g", r->options.tvg_db_per_m);
-    snprintf(r->gain, sizeof r->gain, "%s log r + %s r dB", spread, loss);
+    asdic_draw_gain(r->gain, r->options.tvg_db_per_decade, r->options.tvg_db_per_m);
     const char *texts[] = {"Software",     "asdic",
                            "version",      r->run->facts.version,
                            "scene",        r->info.scene_name,
