@@ -15,7 +15,7 @@ static void describe(double rms_db, asdic_render *r) {
     static asdic_sonar sonar;
     sonar = asdic_sonar_default();
     run.facts.version = "1";
-    summary.statistics.stderr_rms_db = rms_db;
+    summary.statistics.errors.rms_db = rms_db;
     *r = (asdic_render){.run = &run, .summary = &summary, .info.sonar = &sonar};
     r->info.sampling = asdic_sampling_default();
     asdic_render_describe(r);

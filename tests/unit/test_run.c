@@ -330,7 +330,7 @@ static void sums_are_of_all_pings(void **state) {
         assert_int_equal(facts[i].pings_planned, pings[i]);
         assert_int_equal(facts[i].rays_traced, 1000 * pings[i]);
         assert_int_equal(facts[i].saturated, saturated[i]);
-        assert_close(facts[i].stderr_worst_db, 0.125, 0);
+        assert_close(facts[i].errors.worst_db, 0.125, 0);
         assert_int_equal(facts[i].device_count, i < 2 ? 1 : 2);
     }
     const asdic_run_times *a = &facts[0].times, *b = &facts[1].times, *ab = &facts[2].times;

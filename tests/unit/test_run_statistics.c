@@ -51,7 +51,7 @@ static void nothing_is_heard_in_silence(void **state) {
     asdic_statistics s = begun();
     add(&s, CELLS);
     asdic_statistics_end(&s);
-    assert_true(isnan(s.stderr_median_db) && isnan(s.stderr_worst_db) && isnan(s.stderr_rms_db));
+    assert_true(isnan(s.errors.median_db) && isnan(s.errors.worst_db) && isnan(s.errors.rms_db));
     assert_close(s.low_db, -160.0, 0.0);
     assert_close(s.high_db, -60.0, 0.0);
     asdic_statistics_finish(&s);
@@ -145,9 +145,9 @@ static void errors_have_a_middle_and_a_worst(void **state) {
     all.stderr_db[6] = 99.0f; /* of no bin */
     add(&s, 6);
     asdic_statistics_end(&s);
-    assert_close(s.stderr_median_db, 1.0, 0.004);
-    assert_close(s.stderr_worst_db, 8.0, 0.0);
-    assert_true(isnan(s.stderr_rms_db)); /* no mechanism is above the noise */
+    assert_close(s.errors.median_db, 1.0, 0.004);
+    assert_close(s.errors.worst_db, 8.0, 0.0);
+    assert_true(isnan(s.errors.rms_db)); /* no mechanism is above the noise */
     asdic_statistics_finish(&s);
 
     s = begun(); /* 1, 2 .. 101 dB */
@@ -156,7 +156,7 @@ static void errors_have_a_middle_and_a_worst(void **state) {
     }
     add(&s, 101);
     asdic_statistics_end(&s);
-    assert_close(s.stderr_median_db, 51.0, 0.2);
+    assert_close(s.errors.median_db, 51.0, 0.2);
     asdic_statistics_finish(&s);
 
     s = begun();
@@ -165,8 +165,8 @@ static void errors_have_a_middle_and_a_worst(void **state) {
     }
     add(&s, 5);
     asdic_statistics_end(&s);
-    assert_close(s.stderr_median_db, 0.0, 0.0); /* exact */
-    assert_close(s.stderr_worst_db, 4.0, 0.0);
+    assert_close(s.errors.median_db, 0.0, 0.0); /* exact */
+    assert_close(s.errors.worst_db, 4.0, 0.0);
     asdic_statistics_finish(&s);
 }
 
@@ -193,7 +193,7 @@ static void errors_count_where_something_is_heard(void **state) {
     all.stderr_db[8] = 7.0f;
     add(&s, 8);
     asdic_statistics_end(&s);
-    assert_close(s.stderr_rms_db, sqrt((4.0 * 1.0 + 9.0) / 5.0), 1e-12);
+    assert_close(s.errors.rms_db, sqrt((4.0 * 1.0 + 9.0) / 5.0), 1e-12);
     asdic_statistics_finish(&s);
 }
 

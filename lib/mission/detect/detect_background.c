@@ -101,7 +101,7 @@ static bool is_at_rest(asdic_run *run) {
 
 static uint32_t rays_of(const asdic_run *run, bool at_rest) {
     const asdic_run_facts *facts = &run->facts;
-    double error = facts->stderr_median_db, most = at_rest ? MOST_TIMES_AT_REST : MOST_TIMES;
+    double error = facts->errors.median_db, most = at_rest ? MOST_TIMES_AT_REST : MOST_TIMES;
     uint32_t own = facts->sampling.rays;
     if (facts->sampling.coherent) {
         double speed_mps = asdic_environment_sound_speed_mps(&run->settings.environment, 0.0);

@@ -384,7 +384,7 @@ static asdic_status detect(asdic_detect_job *job) {
 static asdic_status find_lift(asdic_detect_job *job) {
     asdic_detect_report *r = job->report;
     asdic_background law = asdic_background_of(job->info.sonar, job->sound_speed_mps, 1.0, 0.0);
-    double stated_db = job->run->facts.stderr_median_db;
+    double stated_db = job->run->facts.errors.median_db;
     r->sampling_error_db = isnan(stated_db) ? 0.0 : stated_db; /* coherent pings state none */
     r->background_error_db = job->backdrop ? asdic_backdrop_error_db(job->backdrop) : 0.0;
     double error_db = hypot(r->sampling_error_db, r->background_error_db);

@@ -87,9 +87,7 @@ bool asdic_run_facts_add_device(asdic_run_facts *f, asdic_arena *arena, const ch
 void asdic_run_facts_statistics(asdic_run_facts *facts, const asdic_statistics *statistics) {
     facts->rays_traced = statistics->rays;
     facts->saturated = statistics->saturated;
-    facts->stderr_median_db = statistics->stderr_median_db;
-    facts->stderr_worst_db = statistics->stderr_worst_db;
-    facts->stderr_rms_db = statistics->stderr_rms_db;
+    facts->errors = statistics->errors;
 }
 
 /* ---- the sum of run.json: its last member, of all bytes before that member's line ------------- */
@@ -265,9 +263,9 @@ static void add_results(asdic_text *json, const asdic_run_facts *facts) {
     asdic_text_format(json, "  \"rays_per_s\": %s,\n",
                       number_or_null(a, "%.0f", facts->rays_per_s));
     asdic_text_format(json, "  \"stderr_db\": {\"median\": %s, \"worst\": %s, \"rms\": %s},\n",
-                      number_or_null(a, "%.4g", facts->stderr_median_db),
-                      number_or_null(b, "%.4g", facts->stderr_worst_db),
-                      number_or_null(c, "%.4g", facts->stderr_rms_db));
+                      number_or_null(a, "%.4g", facts->errors.median_db),
+                      number_or_null(b, "%.4g", facts->errors.worst_db),
+                      number_or_null(c, "%.4g", facts->errors.rms_db));
 }
 
 static void add_files(asdic_text *json, const asdic_run_facts *facts) {

@@ -9,6 +9,7 @@
 
 #include <asdic/mission.h>
 #include <asdic/plan.h>
+#include <asdic/run.h>
 #include <stddef.h>
 
 /* States of a run: interrupted runs are valid but not whole. */
@@ -61,9 +62,7 @@ typedef struct asdic_run_facts {
     uint64_t rays_traced, saturated;
     asdic_run_times times; /* of the last call that worked on the run */
     double rays_per_s;
-    double stderr_median_db, stderr_worst_db; /* NAN: no ping yet */
-    double
-        stderr_rms_db; /* in bins above the noise; NAN: none, or a run that says no such figure */
+    asdic_run_errors errors;               /* NAN: no ping yet, or a run that says no such figure */
     asdic_run_file files[ASDIC_RUN_FILES]; /* beside pings.npy, whose records have their own sums */
     size_t file_count;
     const char **pictures; /* names; `render` may have drawn them anew since */

@@ -226,9 +226,9 @@ static void read_all(reader *r, asdic_arena *arena, asdic_run_facts *facts) {
             asdic_yaml_child(time_s, name) ? read_number(r, time_s, name) : NAN;
     }
     facts->rays_per_s = read_number(r, r->root, "rays_per_s");
-    facts->stderr_median_db = read_number(r, stderr_db, "median");
-    facts->stderr_worst_db = read_number(r, stderr_db, "worst");
-    facts->stderr_rms_db =
+    facts->errors.median_db = read_number(r, stderr_db, "median");
+    facts->errors.worst_db = read_number(r, stderr_db, "worst");
+    facts->errors.rms_db =
         asdic_yaml_child(stderr_db, "rms") ? read_number(r, stderr_db, "rms") : NAN;
     facts->devices = read_texts(r, arena, "devices", &facts->device_count);
     facts->pictures = read_texts(r, arena, "pictures", &facts->picture_count);

@@ -127,7 +127,7 @@ static asdic_status describe(asdic_run_job *job) {
                                            speed_mps / sonar->frequency_hz};
     }
     f->sweep = m->settings.sweep;
-    f->stderr_median_db = f->stderr_worst_db = f->stderr_rms_db = NAN;
+    f->errors = (asdic_run_errors){NAN, NAN, NAN};
     f->rays_per_s = NAN;
     return asdic_mission_inputs_hash(job->ctx, m, job->inputs_hash);
 }

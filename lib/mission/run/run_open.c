@@ -96,13 +96,7 @@ asdic_run_info asdic_run_get_info(const asdic_run *run) {
 }
 
 asdic_run_errors asdic_run_get_errors(const asdic_run *run) {
-    if (!run) {
-        return (asdic_run_errors){NAN, NAN, NAN};
-    }
-    const asdic_run_facts *facts = &run->facts;
-    return (asdic_run_errors){.median_db = facts->stderr_median_db,
-                              .worst_db = facts->stderr_worst_db,
-                              .rms_db = facts->stderr_rms_db};
+    return run ? run->facts.errors : (asdic_run_errors){NAN, NAN, NAN};
 }
 
 asdic_status asdic_run_read(asdic_run *run, size_t index, asdic_record *record) {

@@ -12,7 +12,7 @@
 /* Where the sampling's error may be taken for structure of the sea floor. */
 static void add_error(asdic_render *r) {
     char error_db[ASDIC_DIGITS_SIZE];
-    double rms_db = r->summary->statistics.stderr_rms_db;
+    double rms_db = r->summary->statistics.errors.rms_db;
     size_t used = strlen(r->note);
     if (rms_db > ASDIC_ROUGH_DB) {
         asdic_digits_print(error_db, "%.1f", rms_db);

@@ -192,14 +192,14 @@ static void window(const uint64_t *histogram, uint64_t count, double *low_db, do
 
 void asdic_statistics_end(asdic_statistics *out) {
     const counts *c = out->counts;
-    out->stderr_median_db = out->stderr_worst_db = NAN;
-    out->stderr_rms_db = c->heard > 0 ? sqrt(c->error2_sum / (double)c->heard) : NAN;
+    out->errors =
+        (asdic_run_errors){NAN, NAN, c->heard > 0 ? sqrt(c->error2_sum / (double)c->heard) : NAN};
     window(c->levels, c->level_count, &out->low_db, &out->high_db);
     window(out->gain_db ? c->shown : c->levels, c->level_count, &out->shown_low_db,
            &out->shown_high_db);
     if (c->error_count > 0) {
-        out->stderr_median_db = error_of(quantile(c->errors, ERROR_BINS, c->error_count, 0.5));
-        out->stderr_worst_db = (double)c->worst_db;
+        out->errors.median_db = error_of(quantile(c->errors, ERROR_BINS, c->error_count, 0.5));
+        out->errors.worst_db = (double)c->worst_db;
     }
 }
 
@@ -218,9 +218,7 @@ asdic_status asdic_ping_get_errors(asdic_context *ctx, const asdic_ping *ping,
         asdic_record_view(bytes, ping->beams, ping->bins, &record);
         asdic_statistics_add(&statistics, &record, ping->beams * ping->bins);
         asdic_statistics_end(&statistics);
-        *out = (asdic_run_errors){.median_db = statistics.stderr_median_db,
-                                  .worst_db = statistics.stderr_worst_db,
-                                  .rms_db = statistics.stderr_rms_db};
+        *out = statistics.errors;
     }
     asdic_statistics_finish(&statistics);
     free(bytes);

@@ -15,10 +15,9 @@ typedef struct asdic_statistics {
     double most_db;                  /* the greatest level; -INFINITY without one */
     bool has[ASDIC_COMPONENT_COUNT]; /* a level */
     /* Known at the end: */
-    double low_db, high_db;                   /* window of the levels, rounded outwards to 10 dB */
-    double shown_low_db, shown_high_db;       /* the same with the gain */
-    double stderr_median_db, stderr_worst_db; /* NAN without a level */
-    double stderr_rms_db; /* of bins in which a mechanism is above the noise; NAN without one */
+    double low_db, high_db;             /* window of the levels, rounded outwards to 10 dB */
+    double shown_low_db, shown_high_db; /* the same with the gain */
+    asdic_run_errors errors;
     size_t bins;
     double *gain_db;                        /* by bin, owned; NULL: none */
     struct asdic_statistics_counts *counts; /* owned */
