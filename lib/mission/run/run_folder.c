@@ -1,6 +1,7 @@
 #include "run_folder.h"
 
 #include "base/context.h"
+#include "base/file_name.h"
 #include "base/try.h"
 #include "mission/scene_inputs.h"
 #include "out/file.h"
@@ -81,16 +82,6 @@ static bool is_ours(const char *name) {
     return is_picture && has_stem(bare);
 }
 
-/* Whether another process holds the lock that a run's store has on the file NAME. */
-static bool is_locked(int folder, const char *name) {
-    int fd = openat(folder, name, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-    bool locked = fd >= 0 && flock(fd, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
-    if (fd >= 0) {
-        close(fd);
-    }
-    return locked;
-}
-
 /* A process that found nothing to keep may have removed the folder since it was opened. */
 static bool is_still_there(DIR *opened, const char *folder) {
     struct stat own, named;
@@ -139,7 +130,8 @@ asdic_status asdic_folder_hold(asdic_context *ctx, const char *folder, DIR **out
     while (!is_there) {
         TRY(open_folder(ctx, folder, out));
         is_busy = (flock(dirfd(*out), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) ||
-                  is_locked(dirfd(*out), "pings.npy.part") || is_locked(dirfd(*out), "pings.npy");
+                  asdic_file_is_being_written(asdic_file_in(folder, "pings.npy.part").text) ||
+                  asdic_file_is_being_written(asdic_file_in(folder, "pings.npy").text);
         is_there = is_busy || is_still_there(*out, folder);
         if (is_busy || !is_there) {
             closedir(*out);
@@ -160,13 +152,11 @@ typedef struct sparing {
 
 static asdic_status spare(void *user, const char *path) {
     const sparing *s = user;
-    struct stat named, there;
-    DIR *dir = stat(path, &named) == 0 ? opendir(s->folder) : NULL;
+    DIR *dir = opendir(s->folder);
     bool is_lost = false;
     for (struct dirent *entry; dir && !is_lost && (entry = readdir(dir));) {
         is_lost = is_ours(entry->d_name) && strcmp(entry->d_name, s->own) != 0 &&
-                  fstatat(dirfd(dir), entry->d_name, &there, 0) == 0 &&
-                  there.st_dev == named.st_dev && there.st_ino == named.st_ino;
+                  asdic_file_is_same(asdic_file_in(s->folder, entry->d_name).text, path);
     }
     if (dir) {
         closedir(dir);
