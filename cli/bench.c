@@ -67,6 +67,21 @@ const char *bench_scene_path(const bench *b, size_t index, char *buffer, size_t 
     return buffer;
 }
 
+asdic_status bench_missions(bench *b, asdic_status (*measure)(bench *b, const char *name,
+                                                              asdic_mission *mission)) {
+    asdic_status status = ASDIC_OK;
+    for (size_t i = 0; !status && i < bench_scene_count(b); i++) {
+        char buffer[4096], name[ASDIC_NAME_SIZE];
+        const char *path = bench_scene_path(b, i, buffer, sizeof buffer);
+        asdic_mission *mission = NULL;
+        bench_name(path, name, sizeof name);
+        status = asdic_mission_load(cli_context(b->c), path, &mission);
+        status = status ? status : measure(b, name, mission);
+        asdic_mission_destroy(&mission);
+    }
+    return status;
+}
+
 asdic_status bench_interrupted(const bench *b) {
     return asdic_context_interrupted(cli_context(b->c)) ? ASDIC_ERROR_INTERRUPTED : ASDIC_OK;
 }

@@ -62,6 +62,10 @@ int bench_run(cli *c, const bench_kind *kinds);
 size_t bench_scene_count(const bench *b);
 const char *bench_scene_path(const bench *b, size_t index, char *buffer, size_t size);
 
+/* Loads one scene after the other and measures it. */
+asdic_status bench_missions(bench *b, asdic_status (*measure)(bench *b, const char *name,
+                                                              asdic_mission *mission));
+
 /* Prints the next row, a cell for each column, and keeps it. */
 void bench_add(bench *b, const bench_cell *cells);
 /* A line below the rows, on the screen alone. */

@@ -103,7 +103,7 @@ static asdic_status look(bench *b, asdic_mission *mission, figures *f) {
     return status;
 }
 
-static asdic_status measure_scene(bench *b, const char *path, asdic_mission *mission) {
+static asdic_status measure_scene(bench *b, const char *name, asdic_mission *mission) {
     const asdic_sonar *sonar = asdic_mission_sonar(mission);
     figures f = {.pings = b->quick ? ASDIC_LEARN_BLOCK : MOST_PINGS,
                  .rays = asdic_mission_sampling(mission)->rays,
@@ -116,9 +116,7 @@ static asdic_status measure_scene(bench *b, const char *path, asdic_mission *mis
     asdic_loop_destroy(&loop);
     status = status ? status : look(b, mission, &f);
     if (!status) {
-        char name[ASDIC_NAME_SIZE];
         asdic_scene_info info = asdic_scene_get_info(asdic_mission_scene(mission));
-        bench_name(path, name, sizeof name);
         const bench_cell cells[] = {BENCH_TEXT(name),
                                     BENCH_NUMBER(info.triangles),
                                     BENCH_NUMBER(sonar->receiver_count),
@@ -139,14 +137,5 @@ static asdic_status measure_scene(bench *b, const char *path, asdic_mission *mis
 }
 
 asdic_status bench_loop(bench *b) {
-    asdic_status status = ASDIC_OK;
-    for (size_t i = 0; !status && i < bench_scene_count(b); i++) {
-        char buffer[4096];
-        const char *path = bench_scene_path(b, i, buffer, sizeof buffer);
-        asdic_mission *mission = NULL;
-        status = asdic_mission_load(cli_context(b->c), path, &mission);
-        status = status ? status : measure_scene(b, path, mission);
-        asdic_mission_destroy(&mission);
-    }
-    return status;
+    return bench_missions(b, measure_scene);
 }

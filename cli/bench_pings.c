@@ -171,23 +171,12 @@ void bench_pings_add(bench *b, const char *scene, const bench_rate *r) {
     bench_add(b, cells);
 }
 
-static asdic_status measure_missions(bench *b) {
-    asdic_status status = ASDIC_OK;
-    for (size_t i = 0; !status && i < bench_scene_count(b); i++) {
-        const char *path = cli_operand(b->c, i + 1);
-        char name[ASDIC_NAME_SIZE];
-        asdic_mission *mission = NULL;
-        bench_rate rate;
-        bench_name(path, name, sizeof name);
-        status = asdic_mission_load(cli_context(b->c), path, &mission);
-        bench_case of = {.mission = mission, .pings = b->quick ? 8 : MOST_PINGS};
-        status = status ? status : bench_pings_measure(b, b->device, &of, &rate);
-        if (!status) {
-            bench_pings_add(b, name, &rate);
-        }
-        asdic_mission_destroy(&mission);
-    }
-    return status;
+static asdic_status measure_mission(bench *b, const char *name, asdic_mission *mission) {
+    const bench_case of = {.mission = mission, .pings = b->quick ? 8 : MOST_PINGS};
+    bench_rate rate;
+    TRY(bench_pings_measure(b, b->device, &of, &rate));
+    bench_pings_add(b, name, &rate);
+    return ASDIC_OK;
 }
 
 /* Time over triangles, a curve for each number of bins. RATES are of every size all numbers of
@@ -214,7 +203,7 @@ asdic_status bench_pings(bench *b) {
     asdic_status status = ASDIC_OK;
     asdic_scene *scene = NULL;
     if (bench_scene_count(b) > 0) {
-        return measure_missions(b);
+        return bench_missions(b, measure_mission);
     }
     for (size_t i = 0; !status && i < count; i++) {
         if (i % BENCH_BIN_COUNTS == 0) {
