@@ -78,18 +78,8 @@ void trial_programs_end(trial_programs **programs) {
 
 /* In a group of its own, so that what a shell started ends with it. */
 static bool start(program *p, const char *command, char *why) {
-    int to[2], from[2];
-    if (pipe2(to, O_CLOEXEC) != 0) {
-        snprintf(why, ASDIC_TRIAL_WHY, "cannot start the rule: %s", strerror(errno));
-        return false;
-    }
-    if (pipe2(from, O_CLOEXEC) != 0) {
-        snprintf(why, ASDIC_TRIAL_WHY, "cannot start the rule: %s", strerror(errno));
-        close(to[0]);
-        close(to[1]);
-        return false;
-    }
-    p->pid = fork();
+    int to[2] = {-1, -1}, from[2] = {-1, -1};
+    p->pid = pipe2(to, O_CLOEXEC) == 0 && pipe2(from, O_CLOEXEC) == 0 ? fork() : -1;
     if (p->pid == 0) {
         setpgid(0, 0);
         cli_signals_as_found();
@@ -98,12 +88,13 @@ static bool start(program *p, const char *command, char *why) {
         execl("/bin/sh", "sh", "-c", command, (char *)NULL);
         _exit(127);
     }
-    close(to[0]);
+    int error = errno;
+    close(to[0]); /* -1, which is no pipe, is let be */
     close(from[1]);
     p->in = to[1];
     p->out = from[0];
     if (p->pid < 0) {
-        snprintf(why, ASDIC_TRIAL_WHY, "cannot start the rule: %s", strerror(errno));
+        snprintf(why, ASDIC_TRIAL_WHY, "cannot start the rule: %s", strerror(error));
         close(p->in);
         close(p->out);
         p->pid = 0;
