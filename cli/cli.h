@@ -124,6 +124,8 @@ bool cli_is_left_empty(const char *folder);
 char *cli_output(const cli *c, const char *prefix, cli_part part, const char *ending);
 /* The position of the word among WORDS, which end with NULL. */
 void cli_choice(cli *c, const char *option, const char *const *words, int *out);
+/* What --colormap names. */
+void cli_colormap(cli *c, asdic_colormap *out);
 /* KEY=VALUE,VALUE,... of --vary: *KEY, to be freed, which the values share; NULL and one value of NULL
  * when it was not given. False after a report. */
 bool cli_vary(cli *c, size_t most, char **key, const char **values, size_t *count);
@@ -193,7 +195,6 @@ static inline const char *cli_plural(uint64_t count) {
 /* Plain text on stderr, unless --quiet was given. */
 void cli_note(const cli *c, const char *format, ...) __attribute__((format(printf, 2, 3)));
 bool cli_quiet(const cli *c);
-bool cli_colour(const cli *c); /* stderr shows colours */
 
 /* A wrong command line: reports it, points at --help, returns CLI_USAGE. */
 int cli_usage(cli *c, const char *format, ...) __attribute__((format(printf, 2, 3)));

@@ -105,22 +105,18 @@ static int run(cli *c) {
     static const char *const formats[] = {
         [ASDIC_PICTURE_BY_NAME] = "auto", "png", "pdf", "svg", NULL};
     asdic_render_options options = asdic_render_options_default();
-    const char *maps[ASDIC_COLORMAP_COUNT + 1] = {0}, *folder = cli_operand(c, 0);
-    int map = ASDIC_COLORMAP_VIRIDIS, format = ASDIC_PICTURE_BY_NAME;
+    const char *folder = cli_operand(c, 0);
+    int format = ASDIC_PICTURE_BY_NAME;
     double gain = 0.0;
     uint64_t ping = SIZE_MAX;
-    for (int i = 0; i < ASDIC_COLORMAP_COUNT; i++) {
-        maps[i] = asdic_colormap_name((asdic_colormap)i);
-    }
     cli_number_range(c, "db-range", -500.0, 500.0, &options.db_low, &options.db_high);
-    cli_choice(c, "colormap", maps, &map);
+    cli_colormap(c, &options.colormap);
     cli_choice(c, "format", formats, &format);
     cli_number(c, "tvg", 0.0, 100.0, &gain);
     cli_integer(c, "ping", 0, SIZE_MAX - 1, &ping);
     if (cli_bad_usage(c) || !read_images(c, &options.images)) {
         return CLI_USAGE;
     }
-    options.colormap = (asdic_colormap)map;
     options.beam = cli_text(c, "beam");
     options.ping = ping;
     options.raw = cli_given(c, "raw");

@@ -45,11 +45,6 @@ static bool read_size(cli *c, asdic_view_options *o) {
 
 static bool read_request(cli *c, request *r) {
     uint64_t least = 0;
-    const char *maps[ASDIC_COLORMAP_COUNT + 1] = {0};
-    int map = ASDIC_COLORMAP_INFERNO;
-    for (int i = 0; i < ASDIC_COLORMAP_COUNT; i++) {
-        maps[i] = asdic_colormap_name((asdic_colormap)i);
-    }
     *r = (request){.options = asdic_view_options_default(), .y4m = cli_text(c, "y4m")};
     cli_integer(c, "snapshot", 1, 10000, &r->snapshots);
     cli_integer(c, "pings", 1, 1000000000, &r->pings);
@@ -58,8 +53,7 @@ static bool read_request(cli *c, request *r) {
     cli_number_range(c, "db-range", -400.0, 400.0, &r->options.db_low, &r->options.db_high);
     r->options.least_rays = (uint32_t)least;
     r->options.real_time = !r->y4m && !r->snapshots;
-    cli_choice(c, "colormap", maps, &map);
-    r->options.colormap = (asdic_colormap)map;
+    cli_colormap(c, &r->options.colormap);
     if (r->y4m && r->snapshots) {
         cli_usage(c, "--y4m and --snapshot are two ways to do without a display; give one");
         return false;

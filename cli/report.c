@@ -107,10 +107,6 @@ bool cli_quiet(const cli *c) {
     return c->verbosity < 0;
 }
 
-bool cli_colour(const cli *c) {
-    return c->colour;
-}
-
 int cli_usage(cli *c, const char *format, ...) {
     va_list args;
     va_start(args, format);

@@ -253,6 +253,16 @@ void cli_choice(cli *c, const char *option, const char *const *words, int *out) 
     bad(c, option, expected);
 }
 
+void cli_colormap(cli *c, asdic_colormap *out) {
+    const char *maps[ASDIC_COLORMAP_COUNT + 1] = {0};
+    int map = (int)*out;
+    for (int i = 0; i < ASDIC_COLORMAP_COUNT; i++) {
+        maps[i] = asdic_colormap_name((asdic_colormap)i);
+    }
+    cli_choice(c, "colormap", maps, &map);
+    *out = (asdic_colormap)map;
+}
+
 asdic_status cli_load_rays(cli *c, uint64_t rays, asdic_mission **out) {
     char digits[24];
     snprintf(digits, sizeof digits, "%llu", (unsigned long long)rays);

@@ -61,7 +61,7 @@ static void verbosity_says_what_is_said(void **state) {
 static void a_place_stands_before_the_severity(void **state) {
     (void)state;
     begin(0, true);
-    assert_true(cli_colour(&c));
+    assert_true(c.colour);
     told_begin();
     cli_error(&c, "a.yaml:5:3: error: text");
     cli_error(&c, "text");
@@ -91,7 +91,7 @@ static void the_library_is_heard(void **state) {
         asdic_log(ctx, ASDIC_LOG_DEBUG, "%s", "D");
         const char *said = told_end();
         const char *wanted = verbosity < 0 ? "" : heard[verbosity + 1];
-        assert_false(cli_colour(&c));
+        assert_false(c.colour);
         assert_int_equal(strstr(said, "warning: W\n") != NULL, strchr(wanted, 'W') != NULL);
         assert_int_equal(strstr(said, "N\n") != NULL, verbosity > 0);
         assert_int_equal(strstr(said, "I\n") != NULL, strchr(wanted, 'I') != NULL);
