@@ -92,6 +92,12 @@ void asdic_canvas_axis_x(asdic_canvas *canvas, asdic_box box, const asdic_plot_a
                          bool grid);
 void asdic_canvas_axis_y(asdic_canvas *canvas, asdic_box box, const asdic_plot_axis *axis,
                          bool down, bool grid);
+/* The axis of levels with what is added for display; that of PINGS, by number unless PERIOD_S is known. */
+asdic_plot_axis asdic_canvas_level_axis(const asdic_picture_options *options);
+asdic_plot_axis asdic_canvas_time_axis(double pings, double first_s, double period_s);
+/* The side of each of COUNT cells in a row: whole pixels keep the raster crisp. */
+double asdic_canvas_pixels_each(size_t count, double fill_px, double most_px,
+                                double least_total_px);
 /* Width that an ordinate's labels and title need left of its box. */
 double asdic_canvas_axis_y_room(const asdic_plot_axis *axis, double height_px);
 

@@ -102,7 +102,7 @@ void asdic_canvas_axis_y(asdic_canvas *c, asdic_box box, const asdic_plot_axis *
     }
 }
 
-static asdic_plot_axis level_axis(const asdic_picture_options *options) {
+asdic_plot_axis asdic_canvas_level_axis(const asdic_picture_options *options) {
     bool gained = options->tvg_db_per_decade != 0.0 || options->tvg_db_per_m != 0.0;
     return (asdic_plot_axis){.label = gained ? "level + gain (dB re 1 \u00b5Pa)"
                                              : "level (dB re 1 \u00b5Pa)",
@@ -110,8 +110,21 @@ static asdic_plot_axis level_axis(const asdic_picture_options *options) {
                              .high = options->db_high};
 }
 
+asdic_plot_axis asdic_canvas_time_axis(double pings, double first_s, double period_s) {
+    return period_s > 0.0 ? (asdic_plot_axis){.label = "time (s), downwards",
+                                              .low = first_s,
+                                              .high = first_s + pings * period_s}
+                          : (asdic_plot_axis){.label = "ping", .low = -0.5, .high = pings - 0.5};
+}
+
+double asdic_canvas_pixels_each(size_t count, double fill_px, double most_px,
+                                double least_total_px) {
+    double each = fmin(fmax(1.0, floor(fill_px / (double)count)), most_px);
+    return fmax(each, ceil(least_total_px / (double)count));
+}
+
 double asdic_canvas_color_bar_room(const asdic_picture_options *options, double height_px) {
-    asdic_plot_axis axis = level_axis(options);
+    asdic_plot_axis axis = asdic_canvas_level_axis(options);
     return asdic_canvas_axis_y_room(&axis, height_px);
 }
 
@@ -154,6 +167,6 @@ void asdic_canvas_scale(asdic_canvas *c, asdic_box box, const asdic_plot_axis *a
 }
 
 void asdic_canvas_color_bar(asdic_canvas *c, asdic_box box, const asdic_picture_options *options) {
-    asdic_plot_axis axis = level_axis(options);
+    asdic_plot_axis axis = asdic_canvas_level_axis(options);
     asdic_canvas_scale(c, box, &axis, options->colormap, false);
 }

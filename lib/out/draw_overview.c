@@ -18,30 +18,16 @@ typedef struct page {
     double width, height;
 } page;
 
-/* Whole pixels per cell keep the raster crisp. */
-static double pixels_each(size_t count, double fill_px, double most_px) {
-    return fmin(fmax(1.0, floor(fill_px / (double)count)), most_px);
-}
-
 static page lay_out(const asdic_overview *o, const asdic_overview_axes *axes,
                     const asdic_picture_options *options, const char *note) {
     double pings = (double)(o->rows * o->ping_group), beams = (double)(o->columns * o->beam_group);
-    page p = {
-        .beams = {.label = "beam", .low = -0.5, .high = beams - 0.5},
-        .time = {.label = "ping", .low = -0.5, .high = pings - 0.5},
-        .scale = {
-            {.label = "level (dB re 1 \u00b5Pa)", .low = options->db_low, .high = options->db_high},
-            {.label = "range (m)", .high = (double)o->bins * o->bin_length_m}}};
-    if (axes->ping_period_s > 0.0) {
-        p.time.label = "time (s), downwards";
-        p.time.low = axes->first_time_s;
-        p.time.high = axes->first_time_s + pings * axes->ping_period_s;
-    }
-    if (options->tvg_db_per_decade != 0.0 || options->tvg_db_per_m != 0.0) {
-        p.scale[0].label = "level + gain (dB re 1 \u00b5Pa)";
-    }
-    double wide = (double)o->columns * pixels_each(o->columns, PANEL_PX, PANEL_PX);
-    double high = (double)o->rows * pixels_each(o->rows, 720.0, 240.0);
+    page p = {.beams = {.label = "beam", .low = -0.5, .high = beams - 0.5},
+              .time = asdic_canvas_time_axis(pings, axes->first_time_s, axes->ping_period_s),
+              .scale = {asdic_canvas_level_axis(options),
+                        {.label = "range (m)", .high = (double)o->bins * o->bin_length_m}}};
+    double wide =
+        (double)o->columns * asdic_canvas_pixels_each(o->columns, PANEL_PX, PANEL_PX, 0.0);
+    double high = (double)o->rows * asdic_canvas_pixels_each(o->rows, 720.0, 240.0, 0.0);
     double x = ASDIC_MARGIN_PX + ceil(asdic_canvas_axis_y_room(&p.time, high));
     for (int i = 0; i < 2; i++) {
         p.box[i] = (asdic_box){

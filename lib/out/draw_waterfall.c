@@ -3,12 +3,6 @@
 
 #include <math.h>
 
-/* Whole pixels per level keep the raster crisp. */
-static double pixels_each(size_t count, double fill_px, double most_px, double least_total_px) {
-    double each = fmin(fmax(1.0, floor(fill_px / (double)count)), most_px);
-    return fmax(each, ceil(least_total_px / (double)count));
-}
-
 typedef struct page {
     asdic_box box, bar;
     double width, height;
@@ -18,17 +12,14 @@ typedef struct page {
 static page lay_out(const asdic_waterfall *waterfall, const asdic_decimator *levels,
                     const asdic_picture_options *options, const char *note) {
     double covered = (double)(levels->rows * levels->row_group);
-    page p = {.range = {.label = "range (m)",
-                        .high = (double)(levels->columns * levels->column_group) *
-                                waterfall->bin_length_m},
-              .time = {.label = "ping", .low = -0.5, .high = covered - 0.5}};
-    if (waterfall->ping_period_s > 0.0) {
-        p.time.label = "time (s), downwards";
-        p.time.low = waterfall->first_time_s;
-        p.time.high = waterfall->first_time_s + covered * waterfall->ping_period_s;
-    }
-    p.box.w = (double)levels->columns * pixels_each(levels->columns, 1200.0, 1200.0, 0.0);
-    p.box.h = (double)levels->rows * pixels_each(levels->rows, 720.0, 40.0, 160.0);
+    page p = {
+        .range = {.label = "range (m)",
+                  .high =
+                      (double)(levels->columns * levels->column_group) * waterfall->bin_length_m},
+        .time = asdic_canvas_time_axis(covered, waterfall->first_time_s, waterfall->ping_period_s)};
+    p.box.w =
+        (double)levels->columns * asdic_canvas_pixels_each(levels->columns, 1200.0, 1200.0, 0.0);
+    p.box.h = (double)levels->rows * asdic_canvas_pixels_each(levels->rows, 720.0, 40.0, 160.0);
     p.box.x = ASDIC_MARGIN_PX + ceil(asdic_canvas_axis_y_room(&p.time, p.box.h));
     p.box.y = ASDIC_MARGIN_PX + asdic_canvas_title_room(options->title);
     p.bar = (asdic_box){p.box.x + p.box.w + 28.0, p.box.y, ASDIC_BAR_PX, p.box.h};
