@@ -216,8 +216,17 @@ asdic_context *asdic_device_context(const asdic_device *device) {
     return device->ctx;
 }
 
-asdic_status asdic_device_finish(asdic_device *device) {
+static cl_int finish(asdic_device *device) {
     cl_int code = clFinish(device->queue);
     asdic_device_has_compiled(device);
+    return code;
+}
+
+void asdic_device_abandon(asdic_device *device) {
+    finish(device);
+}
+
+asdic_status asdic_device_finish(asdic_device *device) {
+    cl_int code = finish(device);
     return code == CL_SUCCESS ? ASDIC_OK : asdic_cl_fail(device, code, "finish its work");
 }

@@ -82,6 +82,8 @@ size_t asdic_kernel_max_work_group(const asdic_kernel *kernel);
 
 /* Blocks until the queue is empty; reports failures of what was enqueued. */
 asdic_status asdic_device_finish(asdic_device *device);
+/* The same where nobody wants the results any more: no failure is told. */
+void asdic_device_abandon(asdic_device *device);
 
 /* Whether the driver's compiler is known to fail at kernels with vectors. */
 bool asdic_driver_refuses_vectors(const asdic_device_info *info);

@@ -356,9 +356,10 @@ asdic_status asdic_simulator_learn(asdic_simulator *sim, const asdic_pose *pose,
     asdic_lesson_reach reach = asdic_lesson_reach_of(&sim->setup.sonar);
     sim->learnt.lesson = asdic_lesson_at(sim->setup.scene, &sim->setup.env, &reach, pose);
     if (adapts) {
-        TRY(learn_table(sim, pose, index));
+        TRY(asdic_simulator_settle(sim, learn_table(sim, pose, index)));
     }
-    return calibrates ? asdic_simulator_calibrate(sim, pose, index) : ASDIC_OK;
+    return calibrates ? asdic_simulator_settle(sim, asdic_simulator_calibrate(sim, pose, index))
+                      : ASDIC_OK;
 }
 
 bool asdic_simulator_learn_is_due(const asdic_simulator *sim, const asdic_pose *pose,

@@ -376,11 +376,16 @@ static asdic_status run_shots(asdic_simulator *sim, size_t count, asdic_ping *co
 asdic_status asdic_simulator_simulate(asdic_simulator *sim, size_t count, asdic_ping *const *out) {
     asdic_status status = run_shots(sim, count, out);
     sim->buffers.accumulator_clear = status == ASDIC_OK;
-    if (status) {
-        asdic_beam_fan_abandon(&sim->fan);
-    }
     for (size_t k = 0; status && k < count; k++) {
         sim->shots[k].tables_np_per_m = -1.0; /* the device may not have them */
+    }
+    return status;
+}
+
+asdic_status asdic_simulator_settle(asdic_simulator *sim, asdic_status status) {
+    if (status) {
+        asdic_device_abandon(sim->device);
+        asdic_beam_fan_abandon(&sim->fan);
     }
     return status;
 }
@@ -485,7 +490,7 @@ asdic_status asdic_simulator_pings(asdic_simulator *sim, const asdic_pose *poses
     for (size_t k = 0, together; k < count; k += together) {
         together = count_together(sim, poses + k, count - k);
         TRY(asdic_simulator_center(sim, poses[k].position_m));
-        TRY(shoot(sim, poses + k, first + k, together, out + k));
+        TRY(asdic_simulator_settle(sim, shoot(sim, poses + k, first + k, together, out + k)));
     }
     return ASDIC_OK;
 }

@@ -562,7 +562,7 @@ void asdic_simulator_destroy(asdic_simulator **pointer) {
     }
     asdic_simulator *sim = *pointer;
     if (sim->device) {
-        asdic_device_finish(sim->device); /* it may still read what a failed ping sent */
+        asdic_device_abandon(sim->device); /* it may still read what it was sent */
     }
     asdic_kernel **kernels = (asdic_kernel **)&sim->kernels;
     for (size_t i = 0; i < sizeof sim->kernels / sizeof *kernels; i++) {

@@ -307,6 +307,10 @@ asdic_status asdic_simulator_draw(asdic_simulator *sim, size_t count);
  * and speckle. */
 asdic_status asdic_simulator_simulate(asdic_simulator *sim, size_t count, asdic_ping *const *out);
 
+/* Passes on the STATUS of what went to the device. Where it failed, waits until nothing is on its way there or back any
+ * more: the next ping writes to the same memory. */
+asdic_status asdic_simulator_settle(asdic_simulator *sim, asdic_status status);
+
 /* SHOT's sums to energies, total, stated error and the count of cut deposits; OUT holds the noise already.
  * Of a fan, waits for the device. A quantum at loss 1 is worth SOURCE_LIN over its scale. */
 asdic_status asdic_simulator_convert(asdic_simulator *sim, const asdic_ping_shot *shot,

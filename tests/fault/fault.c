@@ -13,6 +13,7 @@
 
 static atomic_long left;  /* calls until the one that fails; 0 or less: none will */
 static atomic_long alive; /* OpenCL objects made and not released */
+static atomic_bool pending;
 static fault_kind armed;
 
 void fault_arm(fault_kind kind, long nth) {
@@ -22,6 +23,10 @@ void fault_arm(fault_kind kind, long nth) {
 
 bool fault_disarm(void) {
     return atomic_exchange(&left, 0) < 0;
+}
+
+bool fault_pending(void) {
+    return atomic_load(&pending);
 }
 
 long fault_alive(void) {
@@ -92,6 +97,18 @@ int __wrap_pthread_create(pthread_t *thread, const pthread_attr_t *attributes, v
         return fails(FAULT_OPENCL) ? CL_OUT_OF_RESOURCES : __real_##name call;                     \
     }
 
+/* A command, after which the host has WAITED for all before it, or not. */
+#define COMMAND(name, parameters, call, waited)                                                    \
+    cl_int __real_##name parameters;                                                               \
+    cl_int __wrap_##name parameters;                                                               \
+    cl_int __wrap_##name parameters {                                                              \
+        if (fails(FAULT_OPENCL)) {                                                                 \
+            return CL_OUT_OF_RESOURCES;                                                            \
+        }                                                                                          \
+        atomic_store(&pending, !(waited));                                                         \
+        return __real_##name call;                                                                 \
+    }
+
 #define CREATION(result, name, parameters, call)                                                   \
     result __real_##name parameters;                                                               \
     result __wrap_##name parameters;                                                               \
@@ -146,24 +163,24 @@ CALL(clSetKernelArg, (cl_kernel kernel, cl_uint index, size_t size, const void *
      (kernel, index, size, value))
 CALL(clSetMemObjectDestructorCallback, (cl_mem memory, on_memory fn, void *user),
      (memory, fn, user))
-CALL(clEnqueueWriteBuffer,
-     (cl_command_queue queue, cl_mem memory, cl_bool wait, size_t offset, size_t n,
-      const void *from, cl_uint events, const cl_event *list, cl_event *event),
-     (queue, memory, wait, offset, n, from, events, list, event))
-CALL(clEnqueueReadBuffer,
-     (cl_command_queue queue, cl_mem memory, cl_bool wait, size_t offset, size_t n, void *to,
-      cl_uint events, const cl_event *list, cl_event *event),
-     (queue, memory, wait, offset, n, to, events, list, event))
-CALL(clEnqueueFillBuffer,
-     (cl_command_queue queue, cl_mem memory, const void *pattern, size_t size, size_t offset,
-      size_t n, cl_uint events, const cl_event *list, cl_event *event),
-     (queue, memory, pattern, size, offset, n, events, list, event))
-CALL(clEnqueueNDRangeKernel,
-     (cl_command_queue queue, cl_kernel kernel, cl_uint dims, const size_t *offset,
-      const size_t *global, const size_t *local, cl_uint events, const cl_event *list,
-      cl_event *event),
-     (queue, kernel, dims, offset, global, local, events, list, event))
-CALL(clFinish, (cl_command_queue queue), (queue))
+COMMAND(clEnqueueWriteBuffer,
+        (cl_command_queue queue, cl_mem memory, cl_bool wait, size_t offset, size_t n,
+         const void *from, cl_uint events, const cl_event *list, cl_event *event),
+        (queue, memory, wait, offset, n, from, events, list, event), wait)
+COMMAND(clEnqueueReadBuffer,
+        (cl_command_queue queue, cl_mem memory, cl_bool wait, size_t offset, size_t n, void *to,
+         cl_uint events, const cl_event *list, cl_event *event),
+        (queue, memory, wait, offset, n, to, events, list, event), wait)
+COMMAND(clEnqueueFillBuffer,
+        (cl_command_queue queue, cl_mem memory, const void *pattern, size_t size, size_t offset,
+         size_t n, cl_uint events, const cl_event *list, cl_event *event),
+        (queue, memory, pattern, size, offset, n, events, list, event), false)
+COMMAND(clEnqueueNDRangeKernel,
+        (cl_command_queue queue, cl_kernel kernel, cl_uint dims, const size_t *offset,
+         const size_t *global, const size_t *local, cl_uint events, const cl_event *list,
+         cl_event *event),
+        (queue, kernel, dims, offset, global, local, events, list, event), false)
+COMMAND(clFinish, (cl_command_queue queue), (queue), true)
 
 CREATION(cl_context, clCreateContext,
          (const cl_context_properties *how, cl_uint n, const cl_device_id *ids, on_context fn,

@@ -16,6 +16,9 @@ void fault_arm(fault_kind kind, long nth);
 /* Ends it; whether the call came at all. */
 bool fault_disarm(void);
 
+/* Whether commands went to a queue since the host last waited for one. */
+bool fault_pending(void);
+
 /* How many contexts, queues, buffers, programs and kernels of OpenCL there are. */
 long fault_alive(void);
 

@@ -454,6 +454,51 @@ static void devices_are_left_as_they_were(void **state) {
     fail_each(FAULT_OPENCL, shoot, 2 * device_step, 100, NULL);
 }
 
+static asdic_status learn_and_ping(asdic_simulator *simulator, const asdic_mission *mission,
+                                   asdic_ping *ping) {
+    asdic_pose pose = asdic_mission_pose(mission, 0, NULL);
+    asdic_status status = asdic_simulator_learn(simulator, &pose, 0);
+    return status ? status : asdic_simulator_ping(simulator, &pose, 0, ping);
+}
+
+/* What fails half-way leaves no command that could read what the next try writes; that does as ever. */
+static void simulators_outlive_failures(void **state) {
+    (void)state;
+    asdic_mission *mission = NULL;
+    asdic_simulator *simulator = NULL;
+    asdic_ping *usual = NULL, *ping = NULL;
+    long failed = 0;
+    assert_ok(ctx, asdic_mission_load(ctx, in_folder("all.yaml"), &mission));
+    assert_ok(ctx, asdic_simulator_create(ctx, devices[0], asdic_mission_scene(mission),
+                                          asdic_mission_environment(mission),
+                                          asdic_mission_sonar(mission),
+                                          asdic_mission_sampling(mission), 5.0, &simulator));
+    size_t bins = asdic_simulator_bin_count(simulator);
+    assert_ok(ctx, asdic_ping_create(ctx, 32, bins, &usual));
+    assert_ok(ctx, asdic_ping_create(ctx, 32, bins, &ping));
+    assert_ok(ctx, learn_and_ping(simulator, mission, usual));
+    for (long n = 1;; n += device_step) {
+        fault_arm(FAULT_OPENCL, n);
+        asdic_status status = learn_and_ping(simulator, mission, ping);
+        if (!fault_disarm()) {
+            assert_ok(ctx, status);
+            break;
+        }
+        failed += status != ASDIC_OK;
+        if (status && fault_pending()) {
+            fail_msg("call %ld failed and left commands: %s", n, asdic_context_error(ctx));
+        }
+        assert_ok(ctx, learn_and_ping(simulator, mission, ping));
+        assert_memory_equal(ping->intensity_lin[ASDIC_TOTAL], usual->intensity_lin[ASDIC_TOTAL],
+                            32 * bins * sizeof(double));
+    }
+    assert_true(failed > 10);
+    asdic_ping_destroy(&ping);
+    asdic_ping_destroy(&usual);
+    asdic_simulator_destroy(&simulator);
+    asdic_mission_destroy(&mission);
+}
+
 static void threads_while_running(void **state) {
     (void)state;
     fail_each(FAULT_THREAD, run_small, 1, 4, resume_to_the_same);
@@ -611,6 +656,7 @@ int main(void) {
         cmocka_unit_test(opencl_while_running),
         cmocka_unit_test(opencl_while_compiling),
         cmocka_unit_test(devices_are_left_as_they_were),
+        cmocka_unit_test(simulators_outlive_failures),
         cmocka_unit_test(threads_while_running),
         cmocka_unit_test(memory_for_tables),
         cmocka_unit_test(memory_while_tracking),
