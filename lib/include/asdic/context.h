@@ -29,7 +29,7 @@ extern "C" {
 typedef struct asdic_context asdic_context;
 
 typedef enum asdic_log_level {
-    ASDIC_LOG_ERROR = 0, /* one of several errors in one input; the call will fail */
+    ASDIC_LOG_ERROR = 0, /* one of several in an input, and the call fails; or of a lost device */
     ASDIC_LOG_WARNING = 1,
     ASDIC_LOG_NOTE = 2, /* what a user who waits wants to know */
     ASDIC_LOG_INFO = 3,

@@ -88,7 +88,7 @@ static void retire(asdic_queue *q, worker *w, asdic_status status) {
     pthread_cond_broadcast(&q->changed);
     pthread_mutex_unlock(&q->lock);
     if (is_dropped) {
-        asdic_log(q->ctx, ASDIC_LOG_WARNING, "device '%s' failed and is no longer used: %s",
+        asdic_log(q->ctx, ASDIC_LOG_ERROR, "device '%s' failed and is no longer used: %s",
                   asdic_device_get_info(w->device.device)->name, why);
     }
 }

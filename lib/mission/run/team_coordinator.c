@@ -67,7 +67,7 @@ static void lose(asdic_coordinator *c, remote *r, asdic_status status, const cha
     pthread_cond_broadcast(&q->changed);
     pthread_mutex_unlock(&q->lock);
     if (is_dropped) {
-        asdic_log(q->ctx, ASDIC_LOG_WARNING,
+        asdic_log(q->ctx, ASDIC_LOG_ERROR,
                   "device '%s' of process %u failed and is no longer used: %s", r->name, r->rank,
                   why);
     } else {

@@ -328,7 +328,8 @@ class Context:
     def _tell(self, status: int) -> None:
         said, self._log[:] = list(self._log), []
         for level, message in said:
-            if level == lib.ASDIC_LOG_WARNING and not self.is_quiet:
+            survived = level == lib.ASDIC_LOG_ERROR and not status
+            if survived or level == lib.ASDIC_LOG_WARNING and not self.is_quiet:
                 warn(message)
             elif level >= lib.ASDIC_LOG_WARNING:
                 LOGGER.info(message)
