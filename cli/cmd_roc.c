@@ -2,13 +2,9 @@
 #include "progress.h"
 #include "roc_print.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-/* An area under the curve up to this is chance. */
-#define CHANCE 0.501
 
 typedef struct request {
     asdic_roc_options options;
@@ -85,23 +81,12 @@ static asdic_status complete(cli *c, const asdic_mission *mission, request *r) {
 }
 
 /* A design that hears nothing may still be compared. */
-static void warn_of_chance(cli *c, const request *own, const asdic_roc *roc, size_t index) {
-    char what[2 * ASDIC_NAME_SIZE], heard[64] = "is not heard by any beam";
-    if (roc->closed_area > CHANCE) {
-        return;
+static void warn_of_chance(cli *c, const request *r, const asdic_roc *roc, size_t index) {
+    if (roc->remark[0] && r->key) {
+        cli_warning(c, "%s=%s: %s", r->key, r->variants.names[index], roc->remark);
+    } else if (roc->remark[0]) {
+        cli_warning(c, "%s", roc->remark);
     }
-    if (own->options.object) {
-        snprintf(what, sizeof what, "object '%s'", own->options.object);
-    } else {
-        snprintf(what, sizeof what, "a target at %.4g m and a bearing of %.4g degrees",
-                 own->options.range_m, own->options.bearing_rad * (180.0 / CLI_PI));
-    }
-    if (isfinite(roc->snr_db)) {
-        snprintf(heard, sizeof heard, "is %.3g dB below its background", -roc->snr_db);
-    }
-    cli_warning(c, "%s%s%s%s%s %s: it is detected as often as nothing is", own->key ? own->key : "",
-                own->key ? "=" : "", own->key ? own->variants.names[index] : "",
-                own->key ? ": " : "", what, heard);
 }
 
 static asdic_status compute_on(cli *c, request *r, asdic_mission *mission, asdic_device *device,
@@ -111,7 +96,7 @@ static asdic_status compute_on(cli *c, request *r, asdic_mission *mission, asdic
     request own = *r;
     TRY(complete(c, mission, &own));
     TRY(asdic_roc_compute(ctx, mission, device, &own.options, &v->rocs[index]));
-    warn_of_chance(c, &own, v->rocs[index], index);
+    warn_of_chance(c, r, v->rocs[index], index);
     const asdic_sonar *sonar = asdic_mission_sonar(mission);
     asdic_picture_subtitle(sonar, sonar->bin_length_m, r->facts[index]);
     /* "pitch_deg = 10" of "sonar.receivers[0].pitch_deg" */

@@ -535,6 +535,17 @@ def test_curve_over_range():
     tap.equal(bool(np.mean(curve.present) > np.mean(curve.none)), True, "the target is louder")
 
 
+def test_what_is_detected_by_chance_is_said():
+    """Behind the vehicle as often as nothing is."""
+    need_device()
+    for bearing_deg, told in ((170.0, True), (0.0, False)):
+        with warnings.catch_warnings(record=True) as said:
+            warnings.simplefilter("always")
+            curve = asdic.roc(pool(), range_m=5.0, target_strength_db=-30.0 if told else 0.0, bearing_deg=bearing_deg, trials=1000)
+        tap.equal((curve.info.closed_area < 0.501, bool(curve.info.remark)), (told, told), f"at {bearing_deg} degrees")
+        tap.equal(["nothing is" in str(w.message) for w in said], [True] * told, "a remark")
+
+
 def test_curve_is_the_programs():
     """By the scene's detector where nothing is said, and by what is said in its place."""
     need_device()

@@ -65,6 +65,8 @@ typedef struct asdic_roc {
     double *none, *present;                                  /* the draws, [trials] */
     double background_uncertainty_db, target_uncertainty_db; /* of the laws; NAN: not stated */
     asdic_band model_pd;                                     /* of closed_pd */
+    /* One sentence where the target is detected as often as nothing is; else "". */
+    char remark[192];
 } asdic_roc;
 
 /* Simulates the ping, without its speckle, and draws round it; a coherent one as a ping of

@@ -533,6 +533,27 @@ static void describe(const scene_job *job, size_t cell, const asdic_roc_case *c,
     }
 }
 
+/* An area under the curve up to this is chance. */
+#define CHANCE 0.501
+
+static void remark_chance(const asdic_roc_options *o, asdic_roc *roc) {
+    char what[96], heard[40] = "is not heard by any beam";
+    if (roc->closed_area > CHANCE) {
+        return;
+    }
+    if (o->object) {
+        snprintf(what, sizeof what, "object '%s'", o->object);
+    } else {
+        snprintf(what, sizeof what, "a target at %.4g m and a bearing of %.4g degrees", o->range_m,
+                 o->bearing_rad * (180.0 / ASDIC_PI));
+    }
+    if (isfinite(roc->snr_db)) {
+        snprintf(heard, sizeof heard, "is %.3g dB below its background", -roc->snr_db);
+    }
+    snprintf(roc->remark, sizeof roc->remark, "%s %s: it is detected as often as nothing is", what,
+             heard);
+}
+
 static asdic_status compute(scene_job *job, asdic_device *device, asdic_roc *roc) {
     const asdic_roc_options *options = job->options;
     size_t cell = 0;
@@ -545,6 +566,7 @@ static asdic_status compute(scene_job *job, asdic_device *device, asdic_roc *roc
     roc->pfa = options->pfa;
     describe(job, cell, &c, roc);
     TRY(asdic_roc_fill(job->ctx, &c, options, roc));
+    remark_chance(options, roc);
     return isfinite(roc->target_strength_db) ? fill_reach(job, cell / job->bins, roc) : ASDIC_OK;
 }
 

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ._library import (ArgumentError, Context, Fields, Handle, Progress, dtype_of, encoded, fail, ffi, fields, lib, number,
-                       open_devices, text, use_opencl, value_of, view, whole)
+                       open_devices, text, use_opencl, value_of, view, warn, whole)
 from ._scene import SceneLike, choose_sampling, load_mission, remarks
 
 
@@ -100,8 +100,11 @@ def roc(scene: SceneLike, *, object: str | None = None,  # pylint: disable=redef
     options.trials = whole(trials, "trials", 1000, 10 ** 8)
     options.seed = whole(seed, "seed", 0, (1 << 64) - 1)
     devices = open_devices(context, device)
-    return Roc(context.make("asdic_roc", lib.asdic_roc_destroy, lib.asdic_roc_compute, context.pointer, mission.pointer,
-                            devices.pointer[0], options, keeps=(name, by)))
+    curve = Roc(context.make("asdic_roc", lib.asdic_roc_destroy, lib.asdic_roc_compute, context.pointer, mission.pointer,
+                             devices.pointer[0], options, keeps=(name, by)))
+    if curve.info.remark:
+        warn(curve.info.remark)
+    return curve
 
 
 class Formula(NamedTuple):
