@@ -2,7 +2,6 @@
 
 #include <errno.h>
 #include <fcntl.h>
-#include <string.h>
 #include <sys/file.h>
 #include <time.h>
 #include <unistd.h>
@@ -18,7 +17,7 @@ static int open_cache(void) {
 
 int asdic_build_lock(const asdic_device *device) {
     const struct timespec step = {.tv_nsec = STEP_MS * 1000000};
-    if (strcmp(device->info.platform_name, "Portable Computing Language") != 0) {
+    if (!asdic_driver_is_pocl(&device->info)) {
         return -1;
     }
     int fd = open_cache();

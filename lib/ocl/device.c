@@ -119,7 +119,8 @@ asdic_status asdic_devices_open(asdic_context *ctx, const char *selector, asdic_
     *count = chosen_count;
     for (size_t i = 0; i < chosen_count && status == ASDIC_OK; i++) {
         const asdic_listed *item = &list[chosen[i]];
-        status = device_create(ctx, item->id, &item->info, false, &(*out)[i]);
+        status = asdic_driver_is_pocl(&item->info) ? asdic_cache_check_room(ctx) : ASDIC_OK;
+        status = status ? status : device_create(ctx, item->id, &item->info, false, &(*out)[i]);
     }
     if (status != ASDIC_OK) {
         asdic_devices_close(out, *count);

@@ -26,6 +26,10 @@ static const struct driver *driver_of(const asdic_device_info *info) {
     return NULL;
 }
 
+bool asdic_driver_is_pocl(const asdic_device_info *info) {
+    return strcmp(info->platform_name, "Portable Computing Language") == 0;
+}
+
 bool asdic_driver_is_slow(const asdic_device_info *info) {
     const struct driver *driver = driver_of(info);
     return driver && driver->is_slow;

@@ -10,8 +10,15 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/statvfs.h>
 #include <unistd.h>
+
+/* LLVM ends the process when it cannot write on. What a command compiles is 1 MB in files of up to 0.3 MB with PoCL
+ * 3.1. */
+#define ROOM_BYTES 8000000u
+#define FILE_BYTES 1000000u
 
 /* Bytes of a path that are shown where it is too long to be one. */
 #define SHOWN 60
@@ -32,6 +39,17 @@ bool asdic_cache_folder(char path[ASDIC_CACHE_SIZE]) {
     return folder && snprintf(path, ASDIC_CACHE_SIZE, "%s%s", folder, below) < ASDIC_CACHE_SIZE;
 }
 
+/* 0, or ENOSPC or EFBIG where compiled kernels have no room in FOLDER. Some file systems do not tell theirs. */
+static int lack_of_room(const char *folder) {
+    struct statvfs disk;
+    struct rlimit most;
+    bool is_told = statvfs(folder, &disk) == 0 && disk.f_blocks > 0;
+    bool is_short = getrlimit(RLIMIT_FSIZE, &most) == 0 && most.rlim_cur < FILE_BYTES;
+    return is_short                                                          ? EFBIG
+           : is_told && (uint64_t)disk.f_bavail * disk.f_frsize < ROOM_BYTES ? ENOSPC
+                                                                             : 0;
+}
+
 /* 0, or why PATH can neither be written to nor be made: not every folder that root may write to takes another, and
  * one that is not needed is not left behind. */
 static int refusal_of(const char *path) {
@@ -41,8 +59,21 @@ static int refusal_of(const char *path) {
     while (lstat(there, &s) != 0 && errno == ENOENT && (slash = strrchr(there, '/'))) {
         slash[slash == there] = '\0';
     }
+    int lack = lack_of_room(there);
     strcat(there, "/asdic-XXXXXX");
-    return mkdtemp(there) && rmdir(there) == 0 ? 0 : errno;
+    return mkdtemp(there) && rmdir(there) == 0 ? lack : errno;
+}
+
+asdic_status asdic_cache_check_room(asdic_context *ctx) {
+    char path[ASDIC_CACHE_SIZE];
+    int error = asdic_cache_folder(path) ? lack_of_room(path) : 0;
+    return error ? asdic_fail(
+                       ctx, ASDIC_ERROR_IO, "compiled kernels have no room in '%s' (%s); %s", path,
+                       strerror(error),
+                       error == EFBIG
+                           ? "raise the limit, 'ulimit -f', to 1 MB or more"
+                           : "free 8 MB there, or set POCL_CACHE_DIR to a folder that has them")
+                 : ASDIC_OK;
 }
 
 const char *asdic_cache_refusal(char path[ASDIC_CACHE_SIZE]) {
@@ -59,20 +90,21 @@ const char *asdic_cache_refusal(char path[ASDIC_CACHE_SIZE]) {
     return error ? strerror(error) : NULL;
 }
 
-/* A folder of the user's own in TEMPORARY, which later runs find again; false: none. */
-static bool private_folder(const char *temporary, char *path) {
+/* A folder of the user's own in TEMPORARY, which later runs find again: 0, or why there is none. */
+static int private_folder(const char *temporary, char *path) {
     struct stat s;
+    int lack = lack_of_room(temporary);
     snprintf(path, ASDIC_CACHE_SIZE, "%s/asdic-kernels-%lu", temporary, (unsigned long)geteuid());
-    if (mkdir(path, 0700) == 0) {
-        return true;
+    if (lack || mkdir(path, 0700) == 0) {
+        return lack;
     }
     /* Nobody else may have made it: PoCL runs what lies there. */
     if (lstat(path, &s) == 0 && S_ISDIR(s.st_mode) && s.st_uid == geteuid() &&
         (s.st_mode & 077) == 0 && access(path, W_OK | X_OK) == 0) {
-        return true;
+        return 0;
     }
     snprintf(path, ASDIC_CACHE_SIZE, "%s/asdic-kernels-XXXXXX", temporary);
-    return mkdtemp(path) != NULL;
+    return mkdtemp(path) ? 0 : errno;
 }
 
 void asdic_kernel_cache_prepare(asdic_context *ctx) {
@@ -84,14 +116,15 @@ void asdic_kernel_cache_prepare(asdic_context *ctx) {
         unsetenv("POCL_CACHE_DIR"); /* as if it were not set, instead of an abort */
     }
     const char *why = asdic_cache_refusal(wanted);
-    if (why && private_folder(temporary, instead)) {
+    int error = why ? private_folder(temporary, instead) : 0;
+    if (why && !error) {
         setenv("POCL_CACHE_DIR", instead, 1);
         asdic_log(ctx, ASDIC_LOG_WARNING,
                   "compiled kernels cannot be kept in '%s' (%s); they are kept in '%s'; %s", wanted,
                   why, instead, set);
-    } else if (why) {
+    } else if (error && !lack_of_room(wanted)) { /* of that one opening a device tells */
         asdic_log(ctx, ASDIC_LOG_WARNING,
                   "compiled kernels cannot be kept in '%s' (%s), nor below '%s' (%s); %s", wanted,
-                  why, temporary, strerror(errno), set);
+                  why, temporary, strerror(error), set);
     }
 }

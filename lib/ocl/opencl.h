@@ -51,6 +51,9 @@ asdic_status asdic_listed_create(asdic_context *ctx, asdic_listed **out, size_t 
 asdic_status asdic_listed_select(asdic_context *ctx, const asdic_listed *list, size_t count,
                                  const char *selector, size_t *chosen, size_t *chosen_count);
 
+/* Whether its driver is PoCL, which keeps what it compiles in files. */
+bool asdic_driver_is_pocl(const asdic_device_info *info);
+
 /* Whether the device's driver is known to be so slow that nobody should wait for it. */
 bool asdic_driver_is_slow(const asdic_device_info *info);
 
@@ -64,8 +67,10 @@ asdic_status asdic_cl_fail(const asdic_device *device, cl_int code, const char *
  * path is too long. */
 #define ASDIC_CACHE_SIZE 4096
 bool asdic_cache_folder(char path[ASDIC_CACHE_SIZE]);
-/* NULL, or why it can neither be written to nor be made. */
+/* NULL, or why it can neither be written to nor be made, or has no room. */
 const char *asdic_cache_refusal(char path[ASDIC_CACHE_SIZE]);
+/* Fails where compiled kernels have no room in it. */
+asdic_status asdic_cache_check_room(asdic_context *ctx);
 
 /* PoCL 3.1 replaces a program in its cache by removing and renaming, without a lock: of processes
  * that build the same program at once, one may find it missing, and fails or crashes

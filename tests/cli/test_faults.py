@@ -195,6 +195,40 @@ def test_kernel_cache_that_cannot_be_written():
             os.chmod(closed, 0o755)
 
 
+def test_kernel_cache_without_room():
+    """LLVM would end the process at the first file that it cannot write whole."""
+    program.need_device()
+    with Folder() as folder:
+        path = scene(folder, pings=1, rays=500)
+        asdic("run", path, "-o", folder / "r").check(code=0)
+        before = data(folder, "r", "bins.csv")
+        shell = f"""
+mount -t tmpfs -o size=200k none disk || exit 77
+export POCL_CACHE_DIR=disk/cache
+"{program.PATH}" devices || exit 1
+TMPDIR=disk "{program.PATH}" run "{path}" -o r --force --quiet; code=$?
+exit $((10 + code))
+"""
+        os.mkdir(folder / "disk")
+        done = subprocess.run(["unshare", "-m", "sh", "-c", shell], cwd=folder.path, check=False, text=True,
+                              env=program.environment({"TMPDIR": folder.path}),
+                              capture_output=True) if shutil.which("unshare") else None
+        if not done or done.returncode == 77 or "unshare" in done.stderr:
+            raise tap.Skip("no file system of its own can be mounted here")
+        tap.contains(done.stderr, "cannot be kept in 'disk/cache' (No space left on device); they are kept in "
+                     f"'{folder.path}/asdic-kernels-")
+        if not os.path.exists(POCL):
+            return
+        tap.equal(done.returncode, 11, done.stderr)
+        tap.contains(done.stderr, "compiled kernels have no room in 'disk/cache' (No space left on device); free 8 MB")
+        limited = subprocess.run(["sh", "-c", f'ulimit -f 100; "{program.PATH}" run "{path}" -o r --force'],
+                                 cwd=folder.path, check=False, text=True, env=program.environment({}),
+                                 capture_output=True)
+        tap.equal(limited.returncode, 1, limited.stderr)
+        tap.contains(limited.stderr, "(File too large); raise the limit, 'ulimit -f', to 1 MB")
+        tap.equal((before == data(folder, "r", "bins.csv"), facts(folder, "r")["state"]), (True, "complete"), "")
+
+
 def test_what_may_be_missing_makes_no_kernel_cache():
     """Where there is no driver nothing is compiled, and saying what is missing leaves no folder."""
     with Folder() as folder:
