@@ -20,11 +20,11 @@ static const char *const backgrounds[] = {"auto", "flat", "simulated", "cfar", N
 static void read_detector(cli *c, asdic_detector *d) {
     int target = (int)d->target;
     cli_choice(c, "target", cli_target_names, &target);
-    cli_number(c, "pfa", 1e-12, 0.5, &d->pfa);
-    cli_number(c, "prior", 1e-9, 0.999, &d->prior);
-    cli_number(c, "snr", -20.0, ASDIC_DETECTOR_MAX_SNR_DB, &d->snr_db);
+    cli_number(c, "pfa", ASDIC_DETECTOR_MIN_PFA, ASDIC_DETECTOR_MAX_PFA, &d->pfa);
+    cli_number(c, "prior", ASDIC_DETECTOR_MIN_PRIOR, ASDIC_DETECTOR_MAX_PRIOR, &d->prior);
+    cli_number(c, "snr", ASDIC_DETECTOR_MIN_SNR_DB, ASDIC_DETECTOR_MAX_SNR_DB, &d->snr_db);
     d->cost_ratio = cli_given(c, "pfa") ? (double)NAN : d->cost_ratio;
-    cli_number(c, "cost", 1e-6, 1e12, &d->cost_ratio);
+    cli_number(c, "cost", ASDIC_DETECTOR_MIN_COST, ASDIC_DETECTOR_MAX_COST, &d->cost_ratio);
     d->target = (asdic_target)target;
 }
 
@@ -37,8 +37,9 @@ static bool read_request(cli *c, request *r) {
     cli_choice(c, "background", backgrounds, &background);
     cli_integer(c, "cfar-cells", 1, 256, &cells);
     cli_integer(c, "cfar-guard", 0, 256, &guard);
-    cli_number(c, "truth", -20.0, 60.0, &r->options.truth_snr_db);
-    cli_number(c, "cell", 0.001, 1000.0, &r->options.cell_m);
+    cli_number(c, "truth", ASDIC_DETECTOR_MIN_SNR_DB, ASDIC_DETECTOR_MAX_SNR_DB,
+               &r->options.truth_snr_db);
+    cli_number(c, "cell", ASDIC_DETECT_MIN_CELL_M, ASDIC_DETECT_MAX_CELL_M, &r->options.cell_m);
     cli_number(c, "speed", 0.001, 100.0, &r->options.tracker.speed_mps);
     if (cli_given(c, "cost") && cli_given(c, "pfa")) {
         cli_usage(c, "--cost and --pfa are two thresholds; give one of them");
@@ -226,19 +227,18 @@ static void print_json(const asdic_detect_report *r) {
 }
 
 static void remark_on_error(cli *c, const asdic_detect_report *r) {
-    void (*say)(const cli *, const char *, ...) =
-        r->sampling_error_db > 0.5 ? cli_warning : cli_note;
+    char what[80] = "";
     if (!isnan(r->detector.cost_ratio)) {
-        say(c,
-            "the levels' sampling error, %.2g dB in the median bin, passes for targets; a "
-            "threshold by cost does not allow for it. More rays lessen it (asdic run --tolerance)",
-            r->sampling_error_db);
-        return;
+        snprintf(what, sizeof what, "; a threshold by cost does not allow for it");
+    } else if (r->sampling_lift_db > 0.0) {
+        snprintf(what, sizeof what, "; thresholds by P_FA are %.2g dB higher for it",
+                 r->sampling_lift_db);
     }
-    say(c,
-        "the levels' sampling error, %.2g dB in the median bin, passes for targets; thresholds by "
-        "P_FA are %.2g dB higher for it. More rays lower them (asdic run --tolerance)",
-        r->sampling_error_db, r->sampling_lift_db);
+    (r->sampling_error_db > 0.5 ? cli_warning : cli_note)(
+        c,
+        "the levels' sampling error, %.2g dB in the median bin, passes for targets%s. More rays "
+        "lessen it (asdic run --tolerance)",
+        r->sampling_error_db, what);
 }
 
 static void remark_on_background(cli *c, const asdic_detect_report *r, bool asked) {

@@ -19,7 +19,7 @@ typedef struct request {
 static void read_detector(cli *c, asdic_roc_options *o) {
     int target = (int)o->target;
     cli_choice(c, "target", cli_target_names, &target);
-    cli_number(c, "pfa", 1e-12, 0.5, &o->pfa);
+    cli_number(c, "pfa", ASDIC_DETECTOR_MIN_PFA, ASDIC_DETECTOR_MAX_PFA, &o->pfa);
     o->target = (asdic_target)target;
 }
 
@@ -137,7 +137,7 @@ static bool out_path(cli *c, const char *folder, const char *name, char **path) 
         cli_error(c, "'%s' exists; --force replaces it", *path);
         return false;
     }
-    return true;
+    return cli_may_write(c, *path);
 }
 
 /* The scene and what is detected where; below, what all levels hang on, of the first variant where

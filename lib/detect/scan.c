@@ -48,6 +48,25 @@ asdic_detector asdic_detector_default(void) {
                             .cost_ratio = NAN};
 }
 
+static asdic_status check_numbers(asdic_context *ctx, const asdic_detector *d) {
+    const struct {
+        const char *name;
+        double value, least, most;
+    } numbers[] = {{"pfa", d->pfa, ASDIC_DETECTOR_MIN_PFA, ASDIC_DETECTOR_MAX_PFA},
+                   {"prior", d->prior, ASDIC_DETECTOR_MIN_PRIOR, ASDIC_DETECTOR_MAX_PRIOR},
+                   {"snr_db", d->snr_db, ASDIC_DETECTOR_MIN_SNR_DB, ASDIC_DETECTOR_MAX_SNR_DB},
+                   {"cost_ratio", isnan(d->cost_ratio) ? 1.0 : d->cost_ratio,
+                    ASDIC_DETECTOR_MIN_COST, ASDIC_DETECTOR_MAX_COST}};
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
+        if (!(numbers[i].value >= numbers[i].least && numbers[i].value <= numbers[i].most)) {
+            return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                              "detector: '%s' = %g is out of range [%g, %g]", numbers[i].name,
+                              numbers[i].value, numbers[i].least, numbers[i].most);
+        }
+    }
+    return ASDIC_OK;
+}
+
 asdic_status asdic_scan_create(asdic_context *ctx, const asdic_sonar *sonar, double sound_speed_mps,
                                size_t bins, const asdic_detector *detector, const asdic_cfar *cfar,
                                asdic_scan **out) {
@@ -59,22 +78,11 @@ asdic_status asdic_scan_create(asdic_context *ctx, const asdic_sonar *sonar, dou
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "a detector of %zu beams and %zu bins",
                           sonar->receiver_count, bins);
     }
-    if (!(detector->prior > 0.0 && detector->prior < 1.0) || detector->cost_ratio <= 0.0) {
-        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
-                          "a detector with prior %g (between 0 and 1), costs %g (above 0)",
-                          detector->prior, detector->cost_ratio);
-    }
     if (!asdic_target_is_known(detector->target)) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "a detector for targets of no kind, %d",
                           (int)detector->target);
     }
-    if (!(detector->pfa > 0.0 && detector->pfa < 1.0) || !isfinite(detector->snr_db) ||
-        detector->snr_db > ASDIC_DETECTOR_MAX_SNR_DB) {
-        return asdic_fail(
-            ctx, ASDIC_ERROR_ARGUMENT,
-            "a detector of P_FA %g (between 0 and 1) for targets of %g dB (at most %g)",
-            detector->pfa, detector->snr_db, ASDIC_DETECTOR_MAX_SNR_DB);
-    }
+    TRY(check_numbers(ctx, detector));
     asdic_scan *scan = calloc(1, sizeof *scan);
     if (!scan) {
         return asdic_fail_memory(ctx, "a detector");

@@ -119,14 +119,12 @@ static void detectors_have_limits(void **state) {
         size_t offset;
         double refused[5], taken[3];
     } limits[] = {
-        {offsetof(asdic_detector, pfa), {0.0, 1.0, -0.1, 1.1, NAN}, {1e-12, 0.5, 0.999999}},
-        {offsetof(asdic_detector, prior), {0.0, 1.0, -0.1, 1.1, NAN}, {1e-12, 0.5, 0.999999}},
+        {offsetof(asdic_detector, pfa), {0.0, 0.9, -0.1, 1.1, NAN}, {1e-12, 1e-3, 0.5}},
+        {offsetof(asdic_detector, prior), {0.0, 0.9999, -0.1, 1.1, NAN}, {1e-9, 0.5, 0.999}},
         {offsetof(asdic_detector, snr_db),
-         {INFINITY, -INFINITY, NAN, NAN, NAN},
-         {-30.0, 0.0, 60.0}},
-        {offsetof(asdic_detector, cost_ratio),
-         {0.0, -1e-9, -1.0, -1e9, -INFINITY},
-         {1e-9, 1e9, NAN}},
+         {INFINITY, -INFINITY, NAN, -30.0, 60.1},
+         {-20.0, 0.0, 60.0}},
+        {offsetof(asdic_detector, cost_ratio), {0.0, 1e-9, -1.0, -1e9, INFINITY}, {1e-6, 1e9, NAN}},
     };
     for (size_t i = 0; i < sizeof limits / sizeof *limits; i++) {
         for (size_t k = 0; k < 5; k++) {

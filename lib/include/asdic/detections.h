@@ -22,13 +22,17 @@ typedef enum asdic_background_source {
     ASDIC_BACKGROUND_CFAR,      /* the neighbouring bins */
 } asdic_background_source;
 
+/* Of the cells of an occupancy map. */
+#define ASDIC_DETECT_MIN_CELL_M 0.001
+#define ASDIC_DETECT_MAX_CELL_M 1000.0
+
 typedef struct asdic_detect_options {
     const asdic_detector *detector; /* NULL: the scene's */
     bool has_cfar;                  /* the same as ASDIC_BACKGROUND_CFAR */
     asdic_cfar cfar;
     double truth_snr_db; /* an object is in a bin when its echo is so strong re all else there */
     /* Of the occupancy map; NAN: none. 0: half a bin, 0.5 m at least, doubled while the map has
-     * more than 4 million. */
+     * more than 4 million. Else from ASDIC_DETECT_MIN_CELL_M to ASDIC_DETECT_MAX_CELL_M. */
     double cell_m;
     asdic_tracker_options tracker;
     bool force; /* replace what an earlier call left */

@@ -11,8 +11,15 @@
 extern "C" {
 #endif
 
-/* Likelihood ratios of stronger targets are not computed. */
-#define ASDIC_DETECTOR_MAX_SNR_DB 60.0
+/* What a detector may be asked for, of scene files, the program and the library alike. */
+#define ASDIC_DETECTOR_MIN_PFA 1e-12
+#define ASDIC_DETECTOR_MAX_PFA 0.5
+#define ASDIC_DETECTOR_MIN_PRIOR 1e-9
+#define ASDIC_DETECTOR_MAX_PRIOR 0.999
+#define ASDIC_DETECTOR_MIN_SNR_DB (-20.0)
+#define ASDIC_DETECTOR_MAX_SNR_DB 60.0 /* likelihood ratios of stronger targets are not computed */
+#define ASDIC_DETECTOR_MIN_COST 1e-6
+#define ASDIC_DETECTOR_MAX_COST 1e12
 
 typedef struct asdic_detector {
     asdic_target target;

@@ -411,6 +411,15 @@ asdic_status asdic_run_detect(asdic_context *ctx, const char *folder,
     if (!folder || !options) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "asdic_run_detect: a folder and options");
     }
+    double cell_m = options->cell_m, truth_db = options->truth_snr_db;
+    if (cell_m != 0.0 && (cell_m < ASDIC_DETECT_MIN_CELL_M || cell_m > ASDIC_DETECT_MAX_CELL_M)) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "a map of cells of %g m: must be in [%g, %g]",
+                          cell_m, ASDIC_DETECT_MIN_CELL_M, ASDIC_DETECT_MAX_CELL_M);
+    }
+    if (!(truth_db >= ASDIC_DETECTOR_MIN_SNR_DB && truth_db <= ASDIC_DETECTOR_MAX_SNR_DB)) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "truth from %g dB: must be in [%g, %g]",
+                          truth_db, ASDIC_DETECTOR_MIN_SNR_DB, ASDIC_DETECTOR_MAX_SNR_DB);
+    }
     locale_t before = asdic_c_locale_enter();
     asdic_status status = work(&job, folder);
     if (status == ASDIC_OK && wants_report) {

@@ -494,10 +494,11 @@ static asdic_status check(asdic_context *ctx, const asdic_mission *mission,
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "ping %zu of a mission of %zu", o->ping,
                           asdic_mission_ping_count(mission));
     }
-    if (o->trials < 1000 || o->trials > 100000000 || !(o->pfa > 0.0 && o->pfa < 1.0)) {
-        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
-                          "%llu trials (1000 to 1e8) at a P_FA of %g (between 0 and 1)",
-                          (unsigned long long)o->trials, o->pfa);
+    if (o->trials < 1000 || o->trials > 100000000 ||
+        !(o->pfa >= ASDIC_DETECTOR_MIN_PFA && o->pfa <= ASDIC_DETECTOR_MAX_PFA)) {
+        return asdic_fail(
+            ctx, ASDIC_ERROR_ARGUMENT, "%llu trials (1000 to 1e8) at a P_FA of %g (in [%g, %g])",
+            (unsigned long long)o->trials, o->pfa, ASDIC_DETECTOR_MIN_PFA, ASDIC_DETECTOR_MAX_PFA);
     }
     char what[64];
     snprintf(what, sizeof what, "%llu trials need", (unsigned long long)o->trials);
