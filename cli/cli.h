@@ -136,8 +136,8 @@ bool cli_bad_usage(const cli *c);
 /* Whether PATH is the standard output: "-" or "/dev/stdout". */
 bool cli_is_stdout(const char *path);
 
-/* Whether a file may be written to PATH: none is there or the command's --force is given; so may
- * NULL, the standard output, pipes and devices. False after a report. */
+/* Whether a file may be written to PATH: none is there, or the command's --force is given and it is none that an operand
+ * is or names; so may NULL, the standard output, pipes and devices. False after a report. */
 bool cli_may_write(cli *c, const char *path);
 
 /* Creates FOLDER; *IS_NEW: it was not there. False after a report. */

@@ -52,12 +52,20 @@ bool cli_is_stdout(const char *path) {
 
 bool cli_may_write(cli *c, const char *path) {
     struct stat st;
-    if (path && !cli_is_stdout(path) && !cli_given(c, "force") && stat(path, &st) == 0 &&
-        S_ISREG(st.st_mode)) {
-        cli_error(c, "'%s' exists; --force overwrites it", path);
-        return false;
+    if (!path || cli_is_stdout(path) || stat(path, &st) != 0 || !S_ISREG(st.st_mode)) {
+        return true;
     }
-    return true;
+    for (size_t i = 0; i < c->operand_count; i++) {
+        if (asdic_scene_reads(c->operands[i], path)) {
+            cli_error(c, "'%s' is '%s', or a file that it names; choose another file", path,
+                      c->operands[i]);
+            return false;
+        }
+    }
+    if (!cli_given(c, "force")) {
+        cli_error(c, "'%s' exists; --force overwrites it", path);
+    }
+    return cli_given(c, "force");
 }
 
 size_t cli_stem(const char *path) {

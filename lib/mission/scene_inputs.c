@@ -5,6 +5,9 @@
 #include "base/sha256.h"
 #include "base/try.h"
 #include "mission/scene_file/scene_file.h"
+#include "out/file.h"
+
+#include <asdic/mission.h>
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -93,6 +96,23 @@ asdic_status asdic_scene_visit_files(asdic_context *ctx, const char *scene, cons
     inputs in = {
         .ctx = ctx, .scene = scene, .visit = visit, .user = user, .problems = {.name = scene}};
     return add_scene(&in, text, strlen(text));
+}
+
+static asdic_status find(void *path, const char *file) {
+    return asdic_file_is_same(path, file) ? ASDIC_ERROR_EXISTS : ASDIC_OK;
+}
+
+bool asdic_scene_reads(const char *scene, const char *path) {
+    struct stat there, read;
+    if (!scene || !path || stat(path, &there) != 0 || stat(scene, &read) != 0 ||
+        !S_ISREG(read.st_mode)) {
+        return false;
+    }
+    char *file = strdup(path);
+    inputs in = {.scene = scene, .visit = find, .user = file, .problems = {.name = scene}};
+    bool is_read = file && (find(file, scene) || add_inputs(&in) == ASDIC_ERROR_EXISTS);
+    free(file);
+    return is_read;
 }
 
 asdic_status asdic_scene_files_hash(asdic_context *ctx, const char *scene,

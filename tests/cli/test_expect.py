@@ -125,6 +125,27 @@ def test_file_is_not_overwritten_unasked():
         asdic("expect", path, "--force", cwd=folder.path).check(code=0, out="")
 
 
+def test_what_the_scene_reads_is_not_overwritten():
+    with Folder() as folder:
+        track = "time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n0,0,0,7,0,0,0\n1,1,0,7,0,0,0\n"
+        at = SCENE.index("mission:")
+        path = folder.write("s.yaml", SCENE[:at] + "mission: {track: t.csv, pings: 2}\n")
+        before = folder.read("s.yaml"), track
+        folder.write("t.csv", track)
+        os.symlink("t.csv", folder / "link.csv")
+        for command in (("check", path, "--track", "s.yaml"), ("check", path, "--track", "t.csv"),
+                        ("check", path, "--track", "link.csv"), ("expect", path, "-o", "s.yaml"),
+                        ("expect", path, "-o", "t.csv")):
+            done = asdic(*command, "--force", cwd=folder.path).check(code=1, out="")
+            tap.contains(done.err, f"' is '{path}', or a file that it names; choose another file")
+        tap.equal((folder.read("s.yaml"), folder.read("t.csv")), before)
+        os.rename(path, folder / "s.png")
+        for command in ("expect", "-o", "o.csv"), ("plan", "--no-forecast"):
+            done = asdic(*command, "s.png", "--picture", "s.png", "-f", cwd=folder.path).check(code=1)
+            tap.contains(done.err, "'s.png' is 's.png', or a file")
+        asdic("expect", "s.png", "-o", "o.csv", "-f", cwd=folder.path).check(code=0)
+
+
 def test_a_picture_has_a_file_of_its_own():
     with Folder() as folder:
         path = folder.write("s.yaml", SCENE)
