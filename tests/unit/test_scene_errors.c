@@ -44,6 +44,8 @@ static void ranges_name_value_limit_and_unit(void **state) {
                 "[sonar.frequency_khz]\n");
     expect_edit("version: 1", "version: 2",
                 "1:10: error: 'version' = 2 is out of range [1, 1]  [version]\n");
+    expect_edit("version: 1", "version: two",
+                "1:10: error: 'version' = two is not a number; give 1  [version]\n");
     expect_edit("[0, 0, 7]", "[0, 1e9, 7]",
                 "8:26: error: 'position_m' = 1e9 is out of range [-10000000, 10000000] m  "
                 "[mission.pose.position_m[1]]\n");
@@ -164,10 +166,17 @@ static void maps_and_lists_have_their_form(void **state) {
     expect_edit("mission:", "environment:\nmission:",
                 "7:1: error: this must be a map, that is 'key: value' lines; leave the key out for "
                 "its defaults  [environment]\n");
+    expect_edit(
+        "{depth_m: 12}", "~",
+        "2:9: error: this must be a map, that is 'key: value' lines, or 'none'  [bottom]\n");
+    expect_edit("mission:\n  pose: {position_m: [0, 0, 7]}", "mission: null",
+                "7:10: error: this must be a map, that is 'key: value' lines  [mission]\n");
+    expect_edit("    - name: forward", "    {name: forward}",
+                "6:5: error: 'receivers' must be a list, or a map with 'fan'  [sonar.receivers]\n");
     expect_edit("{depth_m: 12}", "[depth_m, 12]",
                 "2:9: error: this must be a map, that is 'key: value' lines  [bottom]\n");
     expect_edit("    - name: forward", "    forward",
-                "6:5: error: 'receivers' must be a list or a map  [sonar.receivers]\n");
+                "6:5: error: 'receivers' must be a list, or a map with 'fan'  [sonar.receivers]\n");
     expect_edit("    - name: forward", "    []",
                 "6:5: error: 'receivers' has 0 entries, which is out of range [1, 4096]  "
                 "[sonar.receivers]\n");
@@ -256,6 +265,8 @@ static void alternatives_exclude_each_other(void **state) {
                 "given; give one of them  [objects[0]]\n"
                 "9:64: error: 'type' and 'material' exclude each other; give only one of "
                 "'material', 'type'  [objects[1]]\n");
+    expect_edit("{depth_m: 12}", "{depth_m: 12, type: sand, type: rock}",
+                "2:35: error: duplicate key 'type'; it is given at line 2 already  [bottom]\n");
 }
 
 #define PRESETS                                                                                    \

@@ -219,7 +219,7 @@ static void check_choice(const asdic_law *law, const asdic_yaml_node *map,
         if (k == law->model.key_count || !law->model.keys[k].doc || !law->model.keys[k].chooses) {
             continue;
         }
-        if (first) {
+        if (first && strcmp(first->key, node->key) != 0) { /* of the same twice the reader told */
             asdic_yaml_key_problem(problems, node,
                                    "'%s' and '%s' exclude each other; give only one of %s",
                                    first->key, node->key, names);

@@ -152,8 +152,10 @@ static void check_alternatives(const asdic_schema_reader *r, const asdic_table *
 /* NODE as a list of KEY's length; false after a report. */
 static bool is_list(const asdic_schema_reader *r, const asdic_key *key, asdic_yaml_node *node) {
     if (node->kind != ASDIC_YAML_LIST) {
-        asdic_yaml_problem(r->problems, node, "'%s' must be a list%s", key->name,
-                           key->map_form ? " or a map" : "");
+        asdic_yaml_problem(r->problems, node, "'%s' must be a list%s%s%s", key->name,
+                           key->map_form ? ", or a map with '" : "",
+                           key->map_form ? key->map_form->keys[0].name : "",
+                           key->map_form ? "'" : "");
         return false;
     }
     if (node->count > key->count || node->count < key->least) {
@@ -215,6 +217,15 @@ static void report_missing(const asdic_schema_reader *r, const asdic_key *key,
     }
 }
 
+/* Whether NODE is meant as the map that may stand in place of KEY's list, not as the list's one entry. */
+static bool is_map_form(const asdic_key *key, const asdic_yaml_node *node) {
+    bool is_map = node && key->map_form && node->kind == ASDIC_YAML_MAP, is_entry = false;
+    for (const asdic_yaml_node *child = is_map ? node->first : NULL; child; child = child->next) {
+        is_entry = is_entry || find_key(key->table, child->key);
+    }
+    return is_map && (!is_entry || asdic_yaml_child(node, key->map_form->keys[0].name));
+}
+
 /* KEY's value NODE, NULL: absent. */
 static void read_key(const asdic_schema_reader *r, const asdic_key *key, asdic_yaml_node *node,
                      char *out) {
@@ -226,7 +237,7 @@ static void read_key(const asdic_schema_reader *r, const asdic_key *key, asdic_y
         }
         return;
     case ASDIC_KEY_LIST:
-        if (node && key->map_form && node->kind == ASDIC_YAML_MAP) {
+        if (is_map_form(key, node)) {
             read_map(r, key->map_form, node, out + key->map_offset);
         } else if (node) {
             read_list(r, key, node, at);
@@ -331,15 +342,21 @@ static void read_map(const asdic_schema_reader *r, const asdic_table *table, asd
         if (!map && !silent) {
             bool is_scalar = node->kind == ASDIC_YAML_SCALAR;
             bool empty = is_scalar && node->length == 0 && !node->quoted;
-            bool near = is_scalar && table->scalar_word &&
-                        asdic_words_nearest(node->text, &table->scalar_word, 1) == 0;
+            const char *word = table->scalar_word;
+            bool near = is_scalar && word && asdic_words_nearest(node->text, &word, 1) == 0;
+            const asdic_key *top = node->key && r->root ? find_key(r->root, node->key) : NULL;
+            bool is_needed = top && top->flags & ASDIC_KEY_REQUIRED;
             asdic_yaml_problem(r->problems, node,
                                "%s must be a map, that is 'key: value' lines%s%s%s",
                                node->parent && !node->key ? "each entry" : "this",
-                               empty  ? "; leave the key out for its defaults"
-                               : near ? "; did you mean '"
-                                      : "",
-                               near ? table->scalar_word : "", near ? "'?" : "");
+                               near                  ? "; did you mean '"
+                               : empty && word       ? ", or '"
+                               : empty && !is_needed ? "; leave the key out for its defaults"
+                                                     : "",
+                               near || (empty && word) ? word : "",
+                               near            ? "'?"
+                               : empty && word ? "'"
+                                               : "");
         }
         node = map;
     }

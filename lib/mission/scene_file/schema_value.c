@@ -82,6 +82,10 @@ bool asdic_schema_is_near(const asdic_key *key, const asdic_yaml_node *node) {
 /* "a whole number in [1, 64] deg": what KEY takes but for words. */
 static const char *name_number(const asdic_key *key, char wanted[WANTED_SIZE]) {
     int digits = asdic_key_digits(key);
+    if (key->min == key->max) {
+        snprintf(wanted, WANTED_SIZE, "%.*g", digits, key->min);
+        return wanted;
+    }
     snprintf(wanted, WANTED_SIZE, "a %snumber in [%.*g, %.*g]%s%s",
              key->type == ASDIC_KEY_INTEGER ? "whole " : "", digits, key->min, digits, key->max,
              key->unit ? " " : "", key->unit ? key->unit : "");
