@@ -251,21 +251,23 @@ static size_t points_reached(const asdic_plan_case *c) {
 
 static void plan_multipath(const asdic_plan_case *c, const census *n, asdic_plan *plan) {
     double bound = n->mirrors ? asdic_plan_change_db(n->bounce_lin, c->noise_lin) : 0.0;
+    const char *plural = n->mirrors == 1 ? "" : "s", *singular = n->mirrors == 1 ? "s" : "";
     bool boundaries = c->sampling->multipath == ASDIC_MULTIPATH_BOUNDARIES;
     if (c->sampling->multipath == ASDIC_MULTIPATH_OFF) {
         asdic_plan_row_set(plan, ASDIC_TERM_MULTIPATH, false, INFINITY,
                            "switched off in the scene");
     } else if (boundaries) {
         asdic_plan_row_set(plan, ASDIC_TERM_MULTIPATH, true, INFINITY,
-                           "%zu objects and the boundaries reflect", n->mirrors);
+                           "%zu object%s and the boundaries reflect", n->mirrors, plural);
     } else if (n->mirrors == 0) {
         asdic_plan_row_set(plan, ASDIC_TERM_MULTIPATH, false, 0.0, "nothing within range reflects");
     } else if (bound <= ASDIC_PLAN_NEGLIGIBLE_DB) {
         asdic_plan_row_set(plan, ASDIC_TERM_MULTIPATH, false, bound,
-                           "%zu objects reflect, below the noise in every bin", n->mirrors);
+                           "%zu object%s reflect%s, below the noise in every bin", n->mirrors,
+                           plural, singular);
     } else {
-        asdic_plan_row_set(plan, ASDIC_TERM_MULTIPATH, true, bound, "%zu objects reflect",
-                           n->mirrors);
+        asdic_plan_row_set(plan, ASDIC_TERM_MULTIPATH, true, bound, "%zu object%s reflect%s",
+                           n->mirrors, plural, singular);
     }
 }
 

@@ -343,10 +343,10 @@ static void objects_are_counted(void **state) {
     add_box(&y, "ahead", 1.0, 30.0, 0.0, 45.0);
     make(&y);
     assert_string_equal(row_of(ASDIC_TERM_MULTIPATH)->reason,
-                        "1 objects reflect, below the noise in every bin");
+                        "1 object reflects, below the noise in every bin");
     y.sonar.source_level_db = 230.0;
     make(&y);
-    assert_string_equal(row_of(ASDIC_TERM_MULTIPATH)->reason, "1 objects reflect");
+    assert_string_equal(row_of(ASDIC_TERM_MULTIPATH)->reason, "1 object reflects");
     assert_true(row_of(ASDIC_TERM_MULTIPATH)->kept);
     end(&y);
 }
@@ -473,7 +473,7 @@ static void what_moves_is_kept(void **state) {
     make(&y);
     assert_string_equal(row_of(ASDIC_TERM_OBJECTS)->reason, "1 of 1 come within range");
     assert_true(row_of(ASDIC_TERM_OBJECTS)->kept && isinf(row_of(ASDIC_TERM_OBJECTS)->bound_db));
-    assert_string_equal(row_of(ASDIC_TERM_MULTIPATH)->reason, "1 objects reflect");
+    assert_string_equal(row_of(ASDIC_TERM_MULTIPATH)->reason, "1 object reflects");
     end(&y);
 
     y = begin(false, false);
