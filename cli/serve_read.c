@@ -148,6 +148,9 @@ static bool read_number(const char **at, double *out) {
     return good;
 }
 
+/* As in a track: beyond, the time of a ping is lost to rounding, of this pose and of those that follow without one. */
+#define MOST_TIME_S 1e12
+
 static serve_line take(serve_request *out, char *why) {
     const double degree = CLI_PI / 180.0; /* as tracks are read */
     for (int i = SERVE_X; i <= SERVE_Z; i++) {
@@ -156,6 +159,11 @@ static serve_line take(serve_request *out, char *why) {
                      serve_columns[i]);
             return SERVE_BAD;
         }
+    }
+    if (fabs(out->value[SERVE_TIME]) > MOST_TIME_S) {
+        snprintf(why, SERVE_WHY_SIZE, "'time_s' = %g is out of range [-%g, %g] s",
+                 out->value[SERVE_TIME], MOST_TIME_S, MOST_TIME_S);
+        return SERVE_BAD;
     }
     for (int i = SERVE_ROLL; i <= SERVE_YAW; i++) {
         out->value[i] = isnan(out->value[i]) ? 0.0 : out->value[i];
@@ -433,7 +441,7 @@ serve_line serve_read_line(serve_reader *reader, const char *line, size_t length
     if (*at == '\0') {
         return SERVE_NOTHING;
     }
-    if (*at == '{') {
+    if (*at == '{' || *at == '[') {
         return serve_read_object(line, out->value, why) ? take(out, why) : SERVE_BAD;
     }
     bool is_header = isalpha((unsigned char)*at) || *at == '"' || *at == '_';

@@ -250,6 +250,17 @@ def test_lines_without_a_time_go_on_from_the_last_that_had_one():
         tap.equal([round(time, 9) for time in times], [0.0, 0.1, 100.5, 100.6, 100.7, 50.0, 50.1])
 
 
+def test_a_time_or_a_list_that_is_no_pose():
+    """Rounding would keep all poses behind it at such a time."""
+    program.need_device()
+    with Folder() as folder:
+        lines = ['{"x_m": 0, "y_m": 0, "z_m": 7, "time_s": 1e300}', "[1, 2, 3]", '{"x_m": 0, "y_m": 0, "z_m": 7}']
+        long, many, good = (json.loads(line) for line in serve(folder, lines).out.splitlines())
+        tap.contains(long["error"], "'time_s' = 1e+300 is out of range [-1e+12, 1e+12] s")
+        tap.contains(many["error"], "column 1: a { expected in the JSON object")
+        tap.equal(good["time_s"], 0)
+
+
 def test_lines_that_are_no_text_are_answered_in_text():
     program.need_device()
     lines = [b'{"x_m": 1, "y_m": 2, "z_m": 7}', b"\0\0\0\0", b'{"x_m": 1, "\xff\xfe": 2, "z_m": 7}',
