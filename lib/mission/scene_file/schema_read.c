@@ -221,7 +221,7 @@ static void report_missing(const asdic_schema_reader *r, const asdic_key *key,
 static bool is_map_form(const asdic_key *key, const asdic_yaml_node *node) {
     bool is_map = node && key->map_form && node->kind == ASDIC_YAML_MAP, is_entry = false;
     for (const asdic_yaml_node *child = is_map ? node->first : NULL; child; child = child->next) {
-        is_entry = is_entry || find_key(key->table, child->key);
+        is_entry = is_entry || asdic_schema_key(key->table, child->key);
     }
     return is_map && (!is_entry || asdic_yaml_child(node, key->map_form->keys[0].name));
 }
@@ -344,7 +344,8 @@ static void read_map(const asdic_schema_reader *r, const asdic_table *table, asd
             bool empty = is_scalar && node->length == 0 && !node->quoted;
             const char *word = table->scalar_word;
             bool near = is_scalar && word && asdic_words_nearest(node->text, &word, 1) == 0;
-            const asdic_key *top = node->key && r->root ? find_key(r->root, node->key) : NULL;
+            const asdic_key *top =
+                node->key && r->root ? asdic_schema_key(r->root, node->key) : NULL;
             bool is_needed = top && top->flags & ASDIC_KEY_REQUIRED;
             asdic_yaml_problem(r->problems, node,
                                "%s must be a map, that is 'key: value' lines%s%s%s",
