@@ -29,6 +29,14 @@ typedef struct ray_sample {
 /* An azimuth that is drawn at the end of its window may come out beyond it by so much, rounded. Its density is that at
  * the end: with none at all its ray would weigh without end. */
 #define WINDOW_EDGE 4e-6f
+/* A window ends so far, rad, inside the front that it covers, more than its arc and azimuths are rounded: a ray drawn
+ * beyond the front hears nothing. Of a beam much smaller than a wavelength nothing else errs: with windows that reached
+ * 1e-3 beyond it, one of 16 bins lost one of its hundred rays, 0.045 dB. What no ray meets is 2e-6 of the energy. */
+#define WINDOW_MARGIN 2e-6f
+
+FORMULA real front_window(real arc) {
+    return r_max(arc - (real)(WINDOW_MARGIN), (real)(WINDOW_MARGIN));
+}
 
 FORMULA mask in_window(real x, real limit) {
     return r_abs(x) <= limit + (real)(WINDOW_EDGE);
@@ -341,8 +349,8 @@ FORMULA void look_aside(LOBE_SPACE const dev_ping *ping, LOBE_SPACE const dev_lo
     aside = aside & !heard & (near_arc + far_arc > R(0.0));
     a->near = choose(aside, axis + side * R(0.5) * (front + near), a->near);
     a->far = choose(aside, axis - side * R(0.5) * (front + far), a->far);
-    a->near_limit = choose(aside, R(0.5) * near_arc + R(1e-3), a->near_limit);
-    a->far_limit = choose(aside, R(0.5) * far_arc + R(1e-3), a->far_limit);
+    a->near_limit = choose(aside, front_window(R(0.5) * near_arc), a->near_limit);
+    a->far_limit = choose(aside, front_window(R(0.5) * far_arc), a->far_limit);
     a->near_share = choose(aside, near_arc / r_max(near_arc + far_arc, R(1e-6)), a->near_share);
     a->scale = choose(aside, (real)(DEV_EVEN_SCALE), a->scale);
 }
@@ -381,8 +389,8 @@ FORMULA azimuth_lobe azimuth_lobe_at(LOBE_SPACE const dev_ping *ping,
     a.near = (real)(lobe->beta_rad) + side * (ridge + apart);
     a.far = (real)(lobe->beta_rad) - side * (ridge + apart);
     real near_off = off_front(ping, a.near), far_off = off_front(ping, a.far);
-    a.near_limit = r_min(front + near_off + R(1e-3), R_PI);
-    a.far_limit = r_min(front + far_off + R(1e-3), R_PI);
+    a.near_limit = r_min(front_window(front + near_off), R_PI);
+    a.far_limit = r_min(front_window(front + far_off), R_PI);
     a.near_core = a.far_core = R(0.0);
     if (lobe->margin_rad > 0.0f) {
         /* Where ridges part at one crossing they close up at the other: round the axis that beams turn about all

@@ -52,6 +52,18 @@ static double rms_db(ping_rig *r, double altitude, int pings) {
     return sqrt(sum / count);
 }
 
+/* Faces much smaller than a wavelength hear all azimuths before them alike: no ray may go beyond their front, where it
+ * hears nothing. */
+static void rays_stay_before_small_faces(void **state) {
+    (void)state;
+    ping_rig r = narrow_rig(0.05, 0.05);
+    r.sampling.rays = 16384;
+    double error_db = rms_db(&r, 0.0, 16);
+    print_message("0.05 x 0.05 wavelengths RMS %.5f dB at 16,384 rays\n", error_db);
+    assert_true(error_db < 0.006);
+    rig_destroy(&r);
+}
+
 static void errors_stay_small(void **state) {
     (void)state;
     static const struct {
@@ -193,6 +205,7 @@ int main(void) {
     t = test_device_open_or_skip();
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(errors_stay_small),
+        cmocka_unit_test(rays_stay_before_small_faces),
         cmocka_unit_test(no_ray_weighs_without_end),
         cmocka_unit_test(what_leaks_backwards_is_heard),
     };
