@@ -24,7 +24,7 @@ asdic_status asdic_mesh_complete_exact(asdic_context *ctx, asdic_mesh *mesh, con
 /* Its steps. Corners become the lowest vertex that is where theirs is, to the roundings that part a
  * seam's two sides; ... */
 asdic_status asdic_mesh_weld(asdic_context *ctx, asdic_mesh *mesh);
-/* ... of facets with the same corners, wound the same way, the first stays: all of them would be heard; ... */
+/* ... of facets with the same corners, whichever way they are wound, the first stays: all of them would be heard; ... */
 asdic_status asdic_mesh_drop_copies(asdic_context *ctx, asdic_mesh *mesh);
 /* ... and edges that belong to one facet only are open. */
 asdic_status asdic_mesh_count_open_edges(asdic_context *ctx, asdic_mesh *mesh);

@@ -293,10 +293,11 @@ fail:
     return status;
 }
 
-/* Whether two facets have the same corners in the same turn. */
+/* Whether two facets have the same corners, in either turn. */
 static bool is_copy(const uint32_t *a, const uint32_t *b) {
     for (int k = 0; k < 3; k++) {
-        if (a[0] == b[k] && a[1] == b[(k + 1) % 3] && a[2] == b[(k + 2) % 3]) {
+        uint32_t next = b[(k + 1) % 3], last = b[(k + 2) % 3];
+        if (a[0] == b[k] && ((a[1] == next && a[2] == last) || (a[1] == last && a[2] == next))) {
             return true;
         }
     }
