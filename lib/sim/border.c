@@ -1,11 +1,9 @@
 #include "border.h"
 
 #include "base/grow.h"
+#include "planes.h"
 
 #include <stdlib.h>
-
-/* Triangles lie in one plane when their normals agree to this: what is left out is 80 dB below the edge of either. */
-#define SAME_PLANE 1e-4
 
 static int compare(asdic_vec3 a, asdic_vec3 b) {
     double x = a.x - b.x, y = a.y - b.y, z = a.z - b.z, first = x != 0.0 ? x : y != 0.0 ? y : z;
@@ -45,13 +43,10 @@ static int by_place_and_name(const void *left, const void *right) {
 
 /* Whether the faces of A and B, which are in one place, go on into each other. */
 static bool go_on(const asdic_piece *a, const asdic_piece *b, const asdic_placement *placement) {
-    const dev_triangle *s = asdic_placement_triangle(placement, a->triangle);
-    const dev_triangle *t = asdic_placement_triangle(placement, b->triangle);
-    asdic_vec3 m = {s->normal[0], s->normal[1], s->normal[2]};
-    asdic_vec3 n = {t->normal[0], t->normal[1], t->normal[2]};
     bool apart = asdic_vec3_dot(asdic_vec3_cross(a->edge1, a->edge2),
                                 asdic_vec3_cross(b->edge1, b->edge2)) < 0.0;
-    return apart && s->part == t->part && asdic_vec3_length(asdic_vec3_cross(m, n)) < SAME_PLANE;
+    return apart && asdic_planes_agree(asdic_placement_triangle(placement, a->triangle),
+                                       asdic_placement_triangle(placement, b->triangle));
 }
 
 void asdic_border_join(asdic_border *b, const asdic_placement *placement) {

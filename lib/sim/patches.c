@@ -56,7 +56,7 @@
 #define EDGE_FACE_ASIDE 8.0
 /* and the square of the sum is so many times wavelength / range, at least, so that it goes evenly along a piece of the edge. */
 #define EDGE_BENT 8.0
-/* Faces less high than this many wavelengths keep their area: whether an edge is seen could not be told from inside. */
+/* Faces and planes less high than this many wavelengths keep their area, which takes fewer parts than their edges. */
 #define LEAST_HEIGHT_WL 0.25
 /* Whether that holds for a face is asked of its quarters, so many times over. */
 #define QUARTERINGS 3
@@ -135,6 +135,33 @@ static void add_patch(finder *f, const asdic_piece *p, uint32_t count) {
     };
     all->slots += count;
     all->smooth += p->form != DEV_FORM_ROUGH ? count : 0;
+}
+
+static const dev_material *law_of(const asdic_simulator *sim, size_t part) {
+    return &sim->setup.scatterers[sim->setup.scene->parts[part].material].device;
+}
+
+static bool mirrors(const dev_material *law) {
+    return law->law == DEV_LAW_FACET && !(law->formula[0] > 0.0f);
+}
+
+static bool keeps_phase(const dev_material *law) {
+    return mirrors(law) && law->roughness_g < MOST_ROUGHNESS;
+}
+
+/* Triangle INDEX as a whole. */
+static asdic_piece face_of(const finder *f, uint32_t index) {
+    const dev_triangle *t = asdic_placement_triangle(f->sim->placement, index);
+    asdic_vec3 v0 = {t->v0[0], t->v0[1], t->v0[2]}, v1 = {t->v1[0], t->v1[1], t->v1[2]},
+               v2 = {t->v2[0], t->v2[1], t->v2[2]};
+    return (asdic_piece){.corner = v0,
+                         .edge1 = asdic_vec3_sub(v1, v0),
+                         .edge2 = asdic_vec3_sub(v2, v0),
+                         .folded = true,
+                         .form = DEV_FORM_FACE,
+                         .triangle = index,
+                         .kind = f->sim->setup.scene->parts[t->part].kind,
+                         .name = {index, 0x80000000u, 0}};
 }
 
 static void cut_piece(finder *f, const asdic_piece *p);
@@ -259,10 +286,39 @@ static bool has_edges_alone(const finder *f, const asdic_piece *p, int quarterin
     return all;
 }
 
+/* Whether edges stand for a face of a plane that is high: of small faces each has an area that takes the carrier's wavelength for
+ * the whole pulse, and the pulse at one place, where those of all that lies aside cancel but for the outline. */
+static bool has_outline(const finder *f, uint32_t index) {
+    asdic_planes *planes = &f->out->planes;
+    if (planes->height_m[index] <= LEAST_HEIGHT_WL * f->shot->water.wavelength_m) {
+        return false;
+    }
+    if (planes->form[index] == DEV_FORM_ROUGH) {
+        asdic_piece face = face_of(f, index);
+        planes->form[index] =
+            has_edges_alone(f, &face, QUARTERINGS) ? DEV_FORM_EDGE : DEV_FORM_FACE;
+    }
+    return planes->form[index] == DEV_FORM_EDGE;
+}
+
+/* The sides of a smooth piece that edges stand for; of a whole face in a plane those of its outline. */
+static void cut_sides(finder *f, const asdic_piece *p) {
+    const uint32_t *beyond = &f->out->planes.beyond[3 * (size_t)p->triangle];
+    bool whole = p->name[2] == 0;
+    for (int k = 0; k < 3; k++) {
+        if (!whole || beyond[k] == ASDIC_NO_FACE || !has_outline(f, beyond[k])) {
+            asdic_piece side = asdic_piece_side(p, k);
+            cut_piece(f, &side);
+        }
+    }
+}
+
 /* A smooth piece: until equal parts of it, small enough, cover it. Cut in four it has borders along its own edges, where what
  * parts of different size leave out matters least; slivers are cut across. */
 static void cut_smooth(finder *f, const asdic_piece *p, double reach, double area) {
     const asdic_vec3 edge[3] = {p->edge1, p->edge2, asdic_vec3_sub(p->edge1, p->edge2)};
+    const double least_m = LEAST_HEIGHT_WL * f->shot->water.wavelength_m;
+    bool in_plane = f->out->planes.height_m[p->triangle] > least_m;
     double parts = 1.0, longest_m = 0.0;
     int longest = 0;
     for (int i = 0; i < 3; i++) {
@@ -272,12 +328,10 @@ static void cut_smooth(finder *f, const asdic_piece *p, double reach, double are
         longest_m = fmax(longest_m, length);
     }
     double height_m = 2.0 * area / longest_m, across = fmax(parts * height_m / longest_m, 1.0);
-    bool large = parts > 1.0 && height_m > LEAST_HEIGHT_WL * f->shot->water.wavelength_m;
-    if (large && has_edges_alone(f, p, QUARTERINGS)) {
-        for (int k = 0; k < 3; k++) {
-            asdic_piece side = asdic_piece_side(p, k);
-            cut_piece(f, &side);
-        }
+    bool large = in_plane || (parts > 1.0 && height_m > least_m);
+    if (in_plane && p->name[2] == 0 ? has_outline(f, p->triangle)
+                                    : large && has_edges_alone(f, p, QUARTERINGS)) {
+        cut_sides(f, p);
     } else if (parts > SLIVER * across) {
         for (uint32_t k = 0; k < 2; k++) {
             asdic_piece half = asdic_piece_half(p, longest, k);
@@ -432,25 +486,16 @@ static void cut_plane(finder *f, double depth_m, dev_uint kind) {
 
 /* What of a material keeps its phase, and what does not. */
 static void cut_triangle(finder *f, size_t index) {
+    asdic_piece p = face_of(f, (uint32_t)index);
     const dev_triangle *t = asdic_placement_triangle(f->sim->placement, index);
-    const asdic_part *part = &f->sim->setup.scene->parts[t->part];
-    const dev_material *law = &f->sim->setup.scatterers[part->material].device;
-    asdic_vec3 v0 = {t->v0[0], t->v0[1], t->v0[2]}, v1 = {t->v1[0], t->v1[1], t->v1[2]},
-               v2 = {t->v2[0], t->v2[1], t->v2[2]};
-    asdic_piece p = {.corner = v0,
-                     .edge1 = asdic_vec3_sub(v1, v0),
-                     .edge2 = asdic_vec3_sub(v2, v0),
-                     .folded = true,
-                     .triangle = (dev_uint)index,
-                     .kind = part->kind,
-                     .name = {(uint32_t)index, 0x80000000u, 0}};
-    bool mirrors = law->law == DEV_LAW_FACET && !(law->formula[0] > 0.0f);
-    if (!mirrors || law->roughness_g > LEAST_ROUGHNESS) {
-        cut_piece(f, &p);
+    const dev_material *law = law_of(f->sim, t->part);
+    if (!mirrors(law) || law->roughness_g > LEAST_ROUGHNESS) {
+        asdic_piece rough = p;
+        rough.form = DEV_FORM_ROUGH;
+        cut_piece(f, &rough);
     }
     /* As many smooth ones as phase asks for: they are not counted first. */
-    if (f->out && mirrors && law->roughness_g < MOST_ROUGHNESS) {
-        p.form = DEV_FORM_FACE;
+    if (f->out && keeps_phase(law)) {
         cut_piece(f, &p);
     }
 }
@@ -597,6 +642,22 @@ size_t asdic_patches_mirrors(const asdic_simulator *sim, double depth_m[2]) {
     return count;
 }
 
+/* The planes of what keeps its phase; none are looked for where nothing does. Moved bodies keep theirs. */
+static bool find_planes(const asdic_simulator *sim, asdic_planes *planes) {
+    size_t parts = sim->setup.scene->part_count;
+    bool any = false, known = planes->form != NULL, *smooth = calloc(parts + 1, sizeof *smooth);
+    for (size_t i = 0; smooth && i < parts; i++) {
+        smooth[i] = keeps_phase(law_of(sim, i));
+        any |= smooth[i];
+    }
+    bool found = smooth && (!any || known || asdic_planes_find(sim->placement, smooth, planes));
+    if (planes->form) {
+        memset(planes->form, DEV_FORM_ROUGH, planes->count);
+    }
+    free(smooth);
+    return found;
+}
+
 asdic_status asdic_patches_find(const asdic_simulator *sim, const asdic_ping_shot *shot,
                                 asdic_patches *out) {
     finder f = {.sim = sim,
@@ -608,7 +669,10 @@ asdic_status asdic_patches_find(const asdic_simulator *sim, const asdic_ping_sho
         f.mirror_m[i] -= sim->placement->origin_m.z;
     }
     out->count = out->slots = out->smooth = 0;
-    out->out_of_memory = false;
+    out->out_of_memory = !find_planes(sim, &out->planes);
+    if (out->out_of_memory) {
+        return asdic_fail_memory(sim->ctx, "the planes of smooth bodies");
+    }
     cut_surfaces(&f); /* counts */
     /* Counts are rounded up to powers of two, on average by 1.44. */
     out->per_m2 = (1.0 - WATER_SHARE) * wanted / (1.44 * fmax(f.counted, 1e-12));
@@ -623,5 +687,6 @@ asdic_status asdic_patches_find(const asdic_simulator *sim, const asdic_ping_sho
 
 void asdic_patches_finish(asdic_patches *patches) {
     free(patches->items);
+    asdic_planes_finish(&patches->planes);
     *patches = (asdic_patches){0};
 }

@@ -6,6 +6,7 @@
 #ifndef ASDIC_SIM_PATCHES_H
 #define ASDIC_SIM_PATCHES_H
 
+#include "planes.h"
 #include "simulator.h"
 
 #include "../../kernels/coherent.h"
@@ -13,10 +14,11 @@
 typedef struct asdic_patches {
     dev_patch *items;
     size_t count, capacity;
-    size_t slots;  /* scatterers of all patches */
-    size_t smooth; /* of these, of smooth bodies */
-    size_t most;   /* no patch is added to more slots than these; 0: any number */
-    double per_m2; /* scatterers on a square metre at 1 m, in the transmitter's beam */
+    size_t slots;        /* scatterers of all patches */
+    size_t smooth;       /* of these, of smooth bodies */
+    size_t most;         /* no patch is added to more slots than these; 0: any number */
+    double per_m2;       /* scatterers on a square metre at 1 m, in the transmitter's beam */
+    asdic_planes planes; /* of smooth bodies, from the first ping on */
     bool out_of_memory;
 } asdic_patches;
 
