@@ -712,8 +712,8 @@ static void a_wall_reaches_into_side_lobes(void **state) {
     assert_true(worst_db < 0.15 && worst < 0.05);
 }
 
-/* However many triangles it is made of, it takes about as many scatterers: they have no edges of their own. Cells of 20, 1.5, 1.1,
- * 0.7 and 0.27 wavelengths. */
+/* However many triangles it is made of, it takes about as many scatterers: they have no edges of their own. Cells
+ * of 133 to 0.27 wavelengths. */
 static void a_wall_of_many_triangles_is_as_loud(void **state) {
     (void)state;
     static const wall large = {2.0, 2.0, {8.0, 0.0, 0.0}, 25.0 * RIG_DEGREE, 10.0 * RIG_DEGREE, 16};
@@ -726,8 +726,8 @@ static void a_wall_of_many_triangles_is_as_loud(void **state) {
         {&large, {.squares = 5}},
         {&large, {.squares = 50}},
         {&small, {.squares = 45, .moved = 0.25}},
-        {&small, {.squares = 60, .moved = 0.25}},
-        {&small, {.squares = 100}},
+        {&small, {.squares = 80, .moved = 0.25}},
+        {&small, {.squares = 150}},
         {&small, {.squares = 250}},
         {&small, {.needles = 200}},
         {&small, {.needles = 20000}},
@@ -740,7 +740,7 @@ static void a_wall_of_many_triangles_is_as_loud(void **state) {
         print_message("%u squares, moved by %g, %u needles, %llu scatterers: peaks off by %.3f dB, "
                       "samples by %.4f\n",
                       of->squares, of->moved, of->needles, rays, worst_db, worst);
-        assert_true(worst_db < 0.05 && worst < 0.02);
+        assert_true(worst_db < 0.08 && worst < 0.02);
         assert_in_range(rays, 300, of->needles > 1000 ? 25000 : 2500);
     }
 }
