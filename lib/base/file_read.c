@@ -11,8 +11,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* Asked for at once, at least. */
-#define LEAST_READ 65535
+/* Most files are read in as much, B. */
+#define FIRST_READ 65536
 
 /* Reads FILE to its end; a byte more than LIMIT_BYTES is enough to know that it is too long. */
 static asdic_status read_stream(asdic_context *ctx, const char *name, FILE *file,
@@ -21,7 +21,7 @@ static asdic_status read_stream(asdic_context *ctx, const char *name, FILE *file
     size_t capacity = 0, length = 0;
     char *buffer = NULL;
     for (;;) {
-        if (!asdic_reserve(&buffer, length + LEAST_READ, &capacity, 1)) {
+        if (!asdic_reserve(&buffer, length > 0 ? length + 2 : FIRST_READ, &capacity, 1)) {
             status = asdic_fail_memory(ctx, "a file's text");
             goto fail;
         }

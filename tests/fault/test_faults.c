@@ -10,6 +10,7 @@
 #include <asdic/asdic.h>
 
 #include "base/context.h"
+#include "base/file_read.h"
 #include "laws/tabulate.h"
 #include "live/camera.h"
 #include "mission/mission.h"
@@ -521,6 +522,17 @@ static void memory_for_tables(void **state) {
     fail_each(FAULT_ALLOCATION, make_tables, 1, 0, NULL);
 }
 
+static void a_small_file_takes_memory_once(void **state) {
+    (void)state;
+    char *text = NULL;
+    size_t bytes;
+    fault_arm(FAULT_ALLOCATION, 2);
+    asdic_status status = asdic_file_read(ctx, in_folder("small.yaml"), SIZE_MAX, &text, &bytes);
+    assert_false(fault_disarm());
+    assert_ok(ctx, status);
+    free(text);
+}
+
 enum { TRACKED_PINGS = 3, PLOTS = 60 };
 
 static asdic_status track_ping(asdic_tracker *tracker, int ping) {
@@ -659,9 +671,8 @@ int main(void) {
         cmocka_unit_test(simulators_outlive_failures),
         cmocka_unit_test(threads_while_running),
         cmocka_unit_test(memory_for_tables),
+        cmocka_unit_test(a_small_file_takes_memory_once),
         cmocka_unit_test(memory_while_tracking),
     };
-    int failed = cmocka_run_group_tests_name("faults", tests, set_up, tear_down);
-    test_device_close(&t);
-    return failed;
+    return test_device_end(&t, cmocka_run_group_tests_name("faults", tests, set_up, tear_down));
 }
