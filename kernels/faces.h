@@ -15,11 +15,6 @@
 
 #include "echo.h"
 
-/* A ray's splat names the triangle that the ray was aimed at: negative, unlike a width. */
-static inline float aimed_at(uint triangle) {
-    return as_float(0x80000000u | triangle);
-}
-
 /* The solid angle of rays that were drawn as R with WEIGHT and met M. */
 static real weigh_faces(const world *w, const meeting *m, __global const dev_hit *hits,
                         natural slots, const ray *r, real weight, real splat) {

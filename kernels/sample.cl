@@ -46,6 +46,7 @@ static void sample_face(__global const dev_ping *ping, __global const dev_face *
     ((float *)&s->x)[lane] = to[0] * inverse;
     ((float *)&s->y)[lane] = to[1] * inverse;
     ((float *)&s->z)[lane] = to[2] * inverse;
+    /* The splat names the triangle for weigh_faces: negative, unlike a width. */
     ((float *)&s->splat)[lane] = as_float(0x80000000u | faces[low].triangle);
 }
 
