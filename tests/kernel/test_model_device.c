@@ -122,7 +122,5 @@ int main(void) {
         tests[i] = (struct CMUnitTest){asdic_model_get(i)->name, device_agrees_with_host, NULL,
                                        NULL, &numbers[i]};
     }
-    int failed = cmocka_run_group_tests_name("model_device", tests, NULL, NULL);
-    test_device_close(&place);
-    return failed;
+    return test_device_end(&place, cmocka_run_group_tests_name("model_device", tests, NULL, NULL));
 }

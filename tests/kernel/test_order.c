@@ -261,7 +261,5 @@ int main(void) {
         cmocka_unit_test(a_ping_that_does_not_fit_is_refused_and_the_next_works),
         cmocka_unit_test(two_threads_with_a_context_each),
     };
-    int failed = cmocka_run_group_tests_name("order", tests, NULL, NULL);
-    test_device_close(&t);
-    return failed;
+    return test_device_end(&t, cmocka_run_group_tests_name("order", tests, NULL, NULL));
 }

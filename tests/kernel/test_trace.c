@@ -305,7 +305,8 @@ static void start_choices(choices *c) {
     *c = (choices){.scene = trace_rig_scene(&rig, &one, 1)};
     /* A device of its own: nothing is compiled for it yet. */
     asdic_devices_close(&rig.devices, rig.count);
-    assert_ok(rig.ctx, asdic_devices_open(rig.ctx, NULL, &rig.devices, &rig.count));
+    assert_ok(rig.ctx,
+              asdic_devices_open(rig.ctx, getenv("ASDIC_DEVICE"), &rig.devices, &rig.count));
     asdic_device *device = rig.device = rig.devices[0];
     for (int i = 0; i < RAYS; i++) {
         rays[i] = trace_rig_ray(origin, down);

@@ -241,7 +241,5 @@ int main(void) {
         cmocka_unit_test(fans_hear_the_same_water),
         cmocka_unit_test(fans_hear_the_same_through_layers),
     };
-    int failed = cmocka_run_group_tests(tests, NULL, destroy_truths);
-    test_device_close(&t);
-    return failed;
+    return test_device_end(&t, cmocka_run_group_tests(tests, NULL, destroy_truths));
 }

@@ -498,7 +498,5 @@ int main(void) {
         cmocka_unit_test_setup(unknown_embedded_source_is_named, use_embedded_kernels),
         cmocka_unit_test(devices_split_where_the_platform_can),
     };
-    int failed = cmocka_run_group_tests_name("ocl", tests, NULL, NULL);
-    test_device_close(&t);
-    return failed;
+    return test_device_end(&t, cmocka_run_group_tests_name("ocl", tests, NULL, NULL));
 }
