@@ -9,8 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Room for NEEDED items, of EACH bytes, where the pointer at LIST leads to: as many again as there was where there is too
- * little. False when memory is short; the list stays then. */
+/* Room for NEEDED items, of EACH bytes, where the pointer at LIST leads to: as many again as there
+ * was where there is too little. False when memory is short; the list stays then. */
 static inline bool asdic_reserve(void *list, size_t needed, size_t *capacity, size_t each) {
     void *items;
     memcpy(&items, list, sizeof items);

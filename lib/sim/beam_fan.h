@@ -41,9 +41,9 @@ void asdic_beam_fan_plan(const asdic_sonar *sonar, asdic_beam_fan *fan);
 asdic_status asdic_beam_fan_init(asdic_simulator *sim);
 void asdic_beam_fan_finish(asdic_beam_fan *fan);
 
-/* Enqueues the sums of one batch's arrivals, added to those of the batches before: rows [beam][sum] of the results, and
- * TRUTH, the cells of a ping's rows (kernels/truth.h). After the last batch they are fetched to these buffers' memory on the
- * host, tile by tile. */
+/* Enqueues the sums of one batch's arrivals, added to those of the batches before: rows [beam][sum]
+ * of the results, and TRUTH, the cells of a ping's rows (kernels/truth.h). After the last batch they
+ * are fetched to these buffers' memory on the host, tile by tile. */
 asdic_status asdic_beam_fan_project(asdic_simulator *sim, asdic_buffer *truth);
 
 /* SUM of BEAM by bins, in RESULTS that have come to the host. */
