@@ -73,6 +73,24 @@ static void double_is_short_and_exact(void **state) {
     assert_string_equal(text, "18446744073709551615");
 }
 
+static void thousands_stand_apart(void **state) {
+    (void)state;
+    const struct {
+        uint64_t value;
+        const char *text;
+    } cases[] = {{0, "0"},
+                 {999, "999"},
+                 {1000, "1,000"},
+                 {110000, "110,000"},
+                 {1002003, "1,002,003"},
+                 {UINT64_MAX, "18,446,744,073,709,551,615"}};
+    char text[ASDIC_DIGITS_SIZE];
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        asdic_digits_grouped(text, cases[i].value);
+        assert_string_equal(text, cases[i].text);
+    }
+}
+
 static void times_have_milliseconds(void **state) {
     (void)state;
     const struct {
@@ -107,7 +125,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(float_is_printf_9g),        cmocka_unit_test(nothing_is_an_empty_field),
         cmocka_unit_test(double_is_short_and_exact), cmocka_unit_test(times_have_milliseconds),
-        cmocka_unit_test(locale_does_not_matter),
+        cmocka_unit_test(thousands_stand_apart),     cmocka_unit_test(locale_does_not_matter),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -5,6 +5,7 @@
 #include "asserts.h"
 
 #include "base/context.h"
+#include "base/text.h"
 #include "out/file.h"
 #include "out/png_file.h"
 
@@ -105,6 +106,25 @@ static void a_name_has_the_old_file_until_the_new_one_is_whole(void **state) {
     assert_int_equal(st.st_mode & 07777, 0644);
     umask(mask);
     assert_int_equal(unlink(name), 0);
+}
+
+static void a_text_is_written_whole_or_not_at_all(void **state) {
+    (void)state;
+    asdic_text text = {0};
+    asdic_text_add(&text, "grown");
+    assert_ok(ctx, asdic_file_write_text(ctx, name, &text, "a text", false));
+    assert_true(holds(name, "grown") && !text.data && text.length == 0);
+    asdic_text_add(&text, "cut");
+    text.failed = true;
+    assert_status(ctx, asdic_file_write_text(ctx, name, &text, "a text", false),
+                  ASDIC_ERROR_MEMORY);
+    assert_contains(asdic_context_error(ctx), "a text");
+    assert_true(holds(name, "grown") && is_missing(part) && !text.data && !text.failed);
+    text.failed = true; /* before the first byte */
+    assert_status(ctx, asdic_file_write_text(ctx, name, &text, "a text", true), ASDIC_ERROR_MEMORY);
+    assert_ok(ctx, asdic_file_write_text(ctx, name, &text, "a text", true)); /* of nothing */
+    struct stat st;
+    assert_int_equal(stat(name, &st) | st.st_size | unlink(name), 0);
 }
 
 /* Two files of one process hold locks against each other as those of two do. */
@@ -383,6 +403,7 @@ static void png_chunks_may_be_long(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_name_has_the_old_file_until_the_new_one_is_whole),
+        cmocka_unit_test(a_text_is_written_whole_or_not_at_all),
         cmocka_unit_test(another_writers_file_is_left_to_it),
         cmocka_unit_test(descriptor_0_is_one_as_all_others),
         cmocka_unit_test(links_are_replaced),

@@ -182,7 +182,7 @@ static bool read_number(const asdic_schema_reader *r, const asdic_key *key, asdi
                           ? (is_whole ? "is not a whole number" : "is not a number")
                       : is_whole ? asdic_integer_parse(node->text, node->length, &whole)
                                  : asdic_number_parse(node->text, node->length, &value);
-    value = is_whole ? (double)whole : value; /* limits are below 2^53 */
+    value = is_whole ? (double)whole : value; /* exact: none is read beyond 2^53 */
     if ((is_whole || !key->words) && !is_plain(r, key, node, name_number(key, wanted), !why)) {
         return false;
     }
