@@ -215,13 +215,13 @@ static void draw_title(const asdic_view *view) {
     char text[96];
     panel p = {(asdic_canvas *)&view->canvas, view->layout.title, view->layout.scale};
     double y = p.box.y + 0.5 * p.box.h;
-    panel_text(&p,
-               (asdic_text){.x = p.box.x, .y = y, .align_y = 0.5, .size_px = 14.5, .bold = true},
-               PANEL_INK_RGB, view->title);
+    panel_text(
+        &p, (asdic_lettering){.x = p.box.x, .y = y, .align_y = 0.5, .size_px = 14.5, .bold = true},
+        PANEL_INK_RGB, view->title);
     snprintf(text, sizeof text, "%sping %zu  \u00b7  t = %.1f s",
              view->is_paused ? "PAUSED  \u00b7  " : "", view->steps - 1, view->time_s);
     panel_text(&p,
-               (asdic_text){
+               (asdic_lettering){
                    .x = p.box.x + p.box.w, .y = y, .align_x = 1.0, .align_y = 0.5, .size_px = 14.5},
                view->is_paused ? PANEL_AMBER_RGB : PANEL_INK_RGB, text);
 }

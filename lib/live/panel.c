@@ -16,16 +16,16 @@ void panel_begin(const panel *p, const char *heading) {
     cairo_stroke(cr);
     if (heading) {
         panel_text(p,
-                   (asdic_text){.x = p->box.x + 8.0 * p->scale,
-                                .y = p->box.y + 8.0 * p->scale,
-                                .align_y = 1.0,
-                                .size_px = PANEL_TEXT_PX,
-                                .bold = true},
+                   (asdic_lettering){.x = p->box.x + 8.0 * p->scale,
+                                     .y = p->box.y + 8.0 * p->scale,
+                                     .align_y = 1.0,
+                                     .size_px = PANEL_TEXT_PX,
+                                     .bold = true},
                    PANEL_INK_RGB, heading);
     }
 }
 
-void panel_text(const panel *p, asdic_text where, uint32_t rgb, const char *text) {
+void panel_text(const panel *p, asdic_lettering where, uint32_t rgb, const char *text) {
     where.size_px *= p->scale;
     asdic_canvas_color(p->canvas, rgb);
     asdic_canvas_text(p->canvas, where, text);
@@ -44,11 +44,11 @@ void panel_ranges(const panel *p, asdic_box box, const asdic_plot_axis *range, b
         asdic_canvas_line(p->canvas, x, has_lines ? box.y : bottom, x,
                           has_lines ? bottom : bottom + 4.0 * p->scale);
         panel_text(p,
-                   (asdic_text){.x = x,
-                                .y = bottom + gap_px * p->scale,
-                                .align_x = 0.5,
-                                .align_y = 1.0,
-                                .size_px = PANEL_SMALL_PX},
+                   (asdic_lettering){.x = x,
+                                     .y = bottom + gap_px * p->scale,
+                                     .align_x = 0.5,
+                                     .align_y = 1.0,
+                                     .size_px = PANEL_SMALL_PX},
                    PANEL_DIM_RGB, label);
     }
 }
@@ -80,17 +80,17 @@ void panel_color_bar(const panel *p, asdic_box box, const asdic_picture_options 
     for (size_t i = 0; i < count; i++) {
         double y = box.y + box.h * (1.0 - asdic_axis_share(&axis, ticks[i].value));
         panel_text(p,
-                   (asdic_text){.x = box.x + box.w + 5.0 * p->scale,
-                                .y = y,
-                                .align_y = 0.5,
-                                .size_px = PANEL_SMALL_PX},
+                   (asdic_lettering){.x = box.x + box.w + 5.0 * p->scale,
+                                     .y = y,
+                                     .align_y = 0.5,
+                                     .size_px = PANEL_SMALL_PX},
                    PANEL_DIM_RGB, ticks[i].label);
     }
     panel_text(p,
-               (asdic_text){.x = box.x + 0.5 * box.w,
-                            .y = box.y - 7.0 * p->scale,
-                            .align_x = 0.5,
-                            .size_px = PANEL_SMALL_PX},
+               (asdic_lettering){.x = box.x + 0.5 * box.w,
+                                 .y = box.y - 7.0 * p->scale,
+                                 .align_x = 0.5,
+                                 .size_px = PANEL_SMALL_PX},
                PANEL_DIM_RGB, "dB");
 }
 

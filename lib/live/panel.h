@@ -32,7 +32,7 @@ typedef struct panel {
 void panel_begin(const panel *p, const char *heading);
 
 /* WHERE in pixels of the frame; the size is scaled. */
-void panel_text(const panel *p, asdic_text where, uint32_t rgb, const char *text);
+void panel_text(const panel *p, asdic_lettering where, uint32_t rgb, const char *text);
 
 /* Ranges under BOX, each with a line down to it through the box, or with a mark below. */
 void panel_ranges(const panel *p, asdic_box box, const asdic_plot_axis *range, bool has_lines);

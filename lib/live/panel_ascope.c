@@ -38,11 +38,11 @@ static void grid(const scope *s) {
         asdic_canvas_line(p->canvas, s->box.x, y, s->box.x + s->box.w, y);
         bool is_top = i + 1 == count; /* which also carries the unit */
         panel_text(p,
-                   (asdic_text){.x = s->box.x - 6.0 * p->scale,
-                                .y = y,
-                                .align_x = 1.0,
-                                .align_y = 0.5,
-                                .size_px = PANEL_SMALL_PX},
+                   (asdic_lettering){.x = s->box.x - 6.0 * p->scale,
+                                     .y = y,
+                                     .align_x = 1.0,
+                                     .align_y = 0.5,
+                                     .size_px = PANEL_SMALL_PX},
                    PANEL_DIM_RGB, is_top ? "dB" : ticks[i].label);
     }
 }
@@ -117,7 +117,8 @@ static void legend(const scope *s, const curve_look *looks, size_t count, double
         if (x - 30.0 * s->p->scale < s->p->box.x + heading_px) {
             return;
         }
-        panel_text(s->p, (asdic_text){.x = x, .y = y, .align_y = 0.5, .size_px = PANEL_SMALL_PX},
+        panel_text(s->p,
+                   (asdic_lettering){.x = x, .y = y, .align_y = 0.5, .size_px = PANEL_SMALL_PX},
                    PANEL_DIM_RGB, looks[i].label);
         asdic_canvas_color(s->p->canvas, looks[i].rgb);
         cairo_set_line_width(s->p->canvas->cr, looks[i].width * s->p->scale);

@@ -80,10 +80,10 @@ static void names(const panel *p, const asdic_view *view, size_t width, size_t h
             continue;
         }
         panel_text(p,
-                   (asdic_text){.x = p->box.x + x,
-                                .y = p->box.y + y - 6.0 * p->scale,
-                                .align_x = 0.5,
-                                .size_px = PANEL_SMALL_PX},
+                   (asdic_lettering){.x = p->box.x + x,
+                                     .y = p->box.y + y - 6.0 * p->scale,
+                                     .align_x = 0.5,
+                                     .size_px = PANEL_SMALL_PX},
                    0xb8c7d4u, o->name);
     }
 }

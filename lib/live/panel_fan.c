@@ -58,11 +58,11 @@ static void decorate(const panel *p, const asdic_view *view, const fan_place *at
         asdic_axis_label(number, r, step);
         snprintf(label, sizeof label, "%s m", number);
         panel_text(p,
-                   (asdic_text){.x = at->apex_x + px * sin(edge) + gap * cos(edge),
-                                .y = at->apex_y - px * cos(edge) + gap * sin(edge),
-                                .align_x = cos(edge) > 0.3 ? 0.0 : 0.5,
-                                .align_y = 0.5 + 0.5 * sin(edge),
-                                .size_px = PANEL_SMALL_PX},
+                   (asdic_lettering){.x = at->apex_x + px * sin(edge) + gap * cos(edge),
+                                     .y = at->apex_y - px * cos(edge) + gap * sin(edge),
+                                     .align_x = cos(edge) > 0.3 ? 0.0 : 0.5,
+                                     .align_y = 0.5 + 0.5 * sin(edge),
+                                     .size_px = PANEL_SMALL_PX},
                    PANEL_DIM_RGB, label);
     }
     const double degree = ASDIC_PI / 180.0;
@@ -77,11 +77,11 @@ static void decorate(const panel *p, const asdic_view *view, const fan_place *at
         ray(p, at, angle, 0.0, radius);
         snprintf(label, sizeof label, "%s%d\u00b0", deg < 0 ? "\u2212" : "", deg < 0 ? -deg : deg);
         panel_text(p,
-                   (asdic_text){.x = at->apex_x + (radius + gap) * sin(angle),
-                                .y = at->apex_y - (radius + gap) * cos(angle),
-                                .align_x = 0.5 - 0.5 * sin(angle),
-                                .align_y = 0.5 - 0.5 * cos(angle),
-                                .size_px = PANEL_SMALL_PX},
+                   (asdic_lettering){.x = at->apex_x + (radius + gap) * sin(angle),
+                                     .y = at->apex_y - (radius + gap) * cos(angle),
+                                     .align_x = 0.5 - 0.5 * sin(angle),
+                                     .align_y = 0.5 - 0.5 * cos(angle),
+                                     .size_px = PANEL_SMALL_PX},
                    PANEL_DIM_RGB, label);
     }
     asdic_canvas_color(p->canvas, PANEL_AMBER_RGB); /* the beam of the A-scope, or the head */

@@ -213,10 +213,10 @@ static void scale_bar(const map *m) {
     asdic_canvas_line(p->canvas, x, y, x + length_m * m->px_per_m, y);
     snprintf(label, sizeof label, "%g m", length_m);
     panel_text(p,
-               (asdic_text){.x = x + length_m * m->px_per_m + 6.0 * p->scale,
-                            .y = y,
-                            .align_y = 0.5,
-                            .size_px = PANEL_SMALL_PX},
+               (asdic_lettering){.x = x + length_m * m->px_per_m + 6.0 * p->scale,
+                                 .y = y,
+                                 .align_y = 0.5,
+                                 .size_px = PANEL_SMALL_PX},
                PANEL_INK_RGB, label);
     double used = x + length_m * m->px_per_m + 6.0 * p->scale +
                   asdic_canvas_text_width(label, PANEL_SMALL_PX * p->scale);
@@ -234,11 +234,11 @@ static void scale_bar(const map *m) {
             return;
         }
         panel_text(p,
-                   (asdic_text){.x = m->box.x + m->box.w - 8.0 * p->scale,
-                                .y = y,
-                                .align_x = 1.0,
-                                .align_y = 0.5,
-                                .size_px = PANEL_SMALL_PX},
+                   (asdic_lettering){.x = m->box.x + m->box.w - 8.0 * p->scale,
+                                     .y = y,
+                                     .align_x = 1.0,
+                                     .align_y = 0.5,
+                                     .size_px = PANEL_SMALL_PX},
                    PANEL_INK_RGB, label);
     }
 }
@@ -255,7 +255,7 @@ static void north_arrow(const map *m) {
     cairo_fill(cr);
     panel_text(
         m->p,
-        (asdic_text){
+        (asdic_lettering){
             .x = x, .y = y + 20.0 * s, .align_x = 0.5, .align_y = 1.0, .size_px = PANEL_SMALL_PX},
         PANEL_INK_RGB, "N");
 }

@@ -16,14 +16,15 @@ static void row(writer *w, const char *label, const char *value, uint32_t rgb) {
     double size_px = PANEL_TEXT_PX * w->p->scale, gap = 8.0 * w->p->scale;
     double room = w->w - gap - asdic_canvas_text_width(label, size_px);
     double share = fmin(room / asdic_canvas_text_width(value, size_px), 1.0);
-    panel_text(w->p, (asdic_text){.x = w->x, .y = w->y, .align_y = 1.0, .size_px = PANEL_TEXT_PX},
+    panel_text(w->p,
+               (asdic_lettering){.x = w->x, .y = w->y, .align_y = 1.0, .size_px = PANEL_TEXT_PX},
                PANEL_DIM_RGB, label);
     panel_text(w->p,
-               (asdic_text){.x = w->x + w->w,
-                            .y = w->y,
-                            .align_x = 1.0,
-                            .align_y = 1.0,
-                            .size_px = PANEL_TEXT_PX * share},
+               (asdic_lettering){.x = w->x + w->w,
+                                 .y = w->y,
+                                 .align_x = 1.0,
+                                 .align_y = 1.0,
+                                 .size_px = PANEL_TEXT_PX * share},
                rgb, value);
     w->y += 17.5 * w->p->scale;
 }
@@ -112,7 +113,7 @@ static void write_keys(const panel *p, double y, double width) {
     double line = 15.0 * p->scale, half = 0.5 * width;
     for (size_t i = 0; i < sizeof keys / sizeof *keys; i++) {
         double x = p->box.x + 10.0 * p->scale + (double)(i % 2) * (half + 5.0 * p->scale);
-        asdic_text at = {
+        asdic_lettering at = {
             .x = x, .y = y + line * (double)(i / 2), .align_y = 1.0, .size_px = PANEL_SMALL_PX};
         panel_text(p, at, PANEL_INK_RGB, keys[i][0]);
         at.x = x + 0.46 * half;
@@ -123,10 +124,10 @@ static void write_keys(const panel *p, double y, double width) {
 static void write_message(const panel *p, const asdic_view *view, double y) {
     asdic_canvas_color(p->canvas, PANEL_AMBER_RGB);
     asdic_canvas_text_fit(p->canvas,
-                          (asdic_text){.x = p->box.x + 10.0 * p->scale,
-                                       .y = y,
-                                       .align_y = 1.0,
-                                       .size_px = PANEL_SMALL_PX * p->scale},
+                          (asdic_lettering){.x = p->box.x + 10.0 * p->scale,
+                                            .y = y,
+                                            .align_y = 1.0,
+                                            .size_px = PANEL_SMALL_PX * p->scale},
                           view->message, p->box.w - 20.0 * p->scale);
 }
 

@@ -54,11 +54,11 @@ static void axes(const panel *p, const asdic_view *view, asdic_box box, size_t r
         asdic_canvas_color(p->canvas, PANEL_LINE_RGB);
         asdic_canvas_line(p->canvas, box.x - 4.0 * p->scale, y, box.x, y);
         panel_text(p,
-                   (asdic_text){.x = box.x - 7.0 * p->scale,
-                                .y = y,
-                                .align_x = 1.0,
-                                .align_y = 0.5,
-                                .size_px = PANEL_SMALL_PX},
+                   (asdic_lettering){.x = box.x - 7.0 * p->scale,
+                                     .y = y,
+                                     .align_x = 1.0,
+                                     .align_y = 0.5,
+                                     .size_px = PANEL_SMALL_PX},
                    PANEL_DIM_RGB, label);
     }
 }

@@ -173,7 +173,7 @@ double asdic_canvas_text_width(const char *text, double size_px) {
     return extents.x_advance;
 }
 
-void asdic_canvas_text(asdic_canvas *c, asdic_text where, const char *text) {
+void asdic_canvas_text(asdic_canvas *c, asdic_lettering where, const char *text) {
     cairo_font_extents_t font;
     cairo_text_extents_t extents;
     char room[LONGEST_TEXT];
@@ -194,7 +194,7 @@ void asdic_canvas_text(asdic_canvas *c, asdic_text where, const char *text) {
     cairo_new_path(c->cr); /* the current point would start the next line */
 }
 
-static double width_of(asdic_canvas *c, const asdic_text *where, const char *text) {
+static double width_of(asdic_canvas *c, const asdic_lettering *where, const char *text) {
     cairo_text_extents_t extents;
     char room[LONGEST_TEXT];
     cairo_save(c->cr);
@@ -214,7 +214,7 @@ static void cut_middle(const char *text, size_t kept, char out[LONGEST_TEXT]) {
     snprintf(out, LONGEST_TEXT, "%.*s\u2026%s", (int)begin, text, end);
 }
 
-void asdic_canvas_text_fit(asdic_canvas *c, asdic_text where, const char *text,
+void asdic_canvas_text_fit(asdic_canvas *c, asdic_lettering where, const char *text,
                            double max_width_px) {
     char cut[LONGEST_TEXT];
     double width_px = width_of(c, &where, text);
@@ -275,9 +275,9 @@ static double draw_note(asdic_canvas *c, double x, const char *note, double room
     if (c) {
         snprintf(row, sizeof row, "%.*s", (int)length, note);
         asdic_canvas_text_fit(c,
-                              (asdic_text){.x = x,
-                                           .y = c->height - ASDIC_MARGIN_PX - below,
-                                           .size_px = ASDIC_NOTE_PX},
+                              (asdic_lettering){.x = x,
+                                                .y = c->height - ASDIC_MARGIN_PX - below,
+                                                .size_px = ASDIC_NOTE_PX},
                               row, room_px);
     }
     return below + row_px;
@@ -292,15 +292,15 @@ static void draw_title(asdic_canvas *c, double x, const char *title, double room
     const char *second = strchr(title, '\n');
     size_t length = second ? (size_t)(second - title) : strlen(title);
     snprintf(first, sizeof first, "%.*s", (int)length, title);
-    asdic_text where = {
+    asdic_lettering where = {
         .x = x, .y = ASDIC_MARGIN_PX, .align_y = 1.0, .size_px = ASDIC_TITLE_PX, .bold = true};
     asdic_canvas_color(c, ASDIC_INK_RGB);
     asdic_canvas_text_fit(c, where, first, room);
     if (second) {
-        where = (asdic_text){.x = x,
-                             .y = ASDIC_MARGIN_PX + 1.35 * ASDIC_TITLE_PX,
-                             .align_y = 1.0,
-                             .size_px = ASDIC_NOTE_PX};
+        where = (asdic_lettering){.x = x,
+                                  .y = ASDIC_MARGIN_PX + 1.35 * ASDIC_TITLE_PX,
+                                  .align_y = 1.0,
+                                  .size_px = ASDIC_NOTE_PX};
         asdic_canvas_color(c, NOTE_RGB);
         asdic_canvas_text_fit(c, where, second + 1, room);
     }
@@ -419,10 +419,10 @@ double asdic_canvas_legend(asdic_canvas *c, asdic_box box, const asdic_series *e
             asdic_canvas_set_style(c, NULL);
             asdic_canvas_color(c, ASDIC_INK_RGB);
             asdic_canvas_text_fit(c,
-                                  (asdic_text){.x = x + SAMPLE_PX + BESIDE_PX,
-                                               .y = y,
-                                               .align_y = 0.5,
-                                               .size_px = ASDIC_TEXT_PX},
+                                  (asdic_lettering){.x = x + SAMPLE_PX + BESIDE_PX,
+                                                    .y = y,
+                                                    .align_y = 0.5,
+                                                    .size_px = ASDIC_TEXT_PX},
                                   entry->label, box.w - SAMPLE_PX - BESIDE_PX);
         }
         x += wide + APART_PX;

@@ -46,15 +46,15 @@ double asdic_canvas_text_width(const char *text, double size_px);
 void asdic_canvas_color(asdic_canvas *canvas, uint32_t rgb);
 
 /* ALIGN_X: 0 left, 0.5 centred, 1 right of X; ALIGN_Y: 0 baseline on Y, 0.5 centred, 1 below. */
-typedef struct asdic_text {
+typedef struct asdic_lettering {
     double x, y, align_x, align_y, size_px;
     bool bold, upwards;
-} asdic_text;
+} asdic_lettering;
 
-void asdic_canvas_text(asdic_canvas *canvas, asdic_text where, const char *text);
+void asdic_canvas_text(asdic_canvas *canvas, asdic_lettering where, const char *text);
 
 /* Makes the text smaller, down to 10 pixels, until it fits MAX_WIDTH_PX. */
-void asdic_canvas_text_fit(asdic_canvas *canvas, asdic_text where, const char *text,
+void asdic_canvas_text_fit(asdic_canvas *canvas, asdic_lettering where, const char *text,
                            double max_width_px);
 
 /* Height that TITLE needs at the top of a page, 0 when it is NULL. A second line is a subtitle. */

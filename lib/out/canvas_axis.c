@@ -34,21 +34,22 @@ void asdic_canvas_axis_x(asdic_canvas *c, asdic_box box, const asdic_plot_axis *
         asdic_canvas_color(c, ASDIC_INK_RGB);
         asdic_canvas_line(c, x, bottom, x, bottom + TICK_PX);
         asdic_canvas_text_fit(c,
-                              (asdic_text){.x = x,
-                                           .y = bottom + TICK_PX + GAP_PX,
-                                           .align_x = 0.5,
-                                           .align_y = 1.0,
-                                           .size_px = ASDIC_TEXT_PX},
+                              (asdic_lettering){.x = x,
+                                                .y = bottom + TICK_PX + GAP_PX,
+                                                .align_x = 0.5,
+                                                .align_y = 1.0,
+                                                .size_px = ASDIC_TEXT_PX},
                               ticks[i].label, room);
     }
     if (axis->label) {
-        asdic_canvas_text(c,
-                          (asdic_text){.x = box.x + 0.5 * box.w,
-                                       .y = bottom + TICK_PX + 2.0 * GAP_PX + 1.5 * ASDIC_TEXT_PX,
-                                       .align_x = 0.5,
-                                       .align_y = 1.0,
-                                       .size_px = ASDIC_TEXT_PX},
-                          axis->label);
+        asdic_canvas_text(
+            c,
+            (asdic_lettering){.x = box.x + 0.5 * box.w,
+                              .y = bottom + TICK_PX + 2.0 * GAP_PX + 1.5 * ASDIC_TEXT_PX,
+                              .align_x = 0.5,
+                              .align_y = 1.0,
+                              .size_px = ASDIC_TEXT_PX},
+            axis->label);
     }
 }
 
@@ -83,21 +84,21 @@ void asdic_canvas_axis_y(asdic_canvas *c, asdic_box box, const asdic_plot_axis *
         asdic_canvas_color(c, ASDIC_INK_RGB);
         asdic_canvas_line(c, box.x, y, box.x - TICK_PX, y);
         asdic_canvas_text(c,
-                          (asdic_text){.x = box.x - TICK_PX - GAP_PX,
-                                       .y = y,
-                                       .align_x = 1.0,
-                                       .align_y = 0.5,
-                                       .size_px = ASDIC_TEXT_PX},
+                          (asdic_lettering){.x = box.x - TICK_PX - GAP_PX,
+                                            .y = y,
+                                            .align_x = 1.0,
+                                            .align_y = 0.5,
+                                            .size_px = ASDIC_TEXT_PX},
                           ticks[i].label);
     }
     if (axis->label) {
         double labels = label_width(axis, max_count);
         asdic_canvas_text(c,
-                          (asdic_text){.x = box.x - TICK_PX - 4.0 * GAP_PX - labels,
-                                       .y = box.y + 0.5 * box.h,
-                                       .align_x = 0.5,
-                                       .size_px = ASDIC_TEXT_PX,
-                                       .upwards = true},
+                          (asdic_lettering){.x = box.x - TICK_PX - 4.0 * GAP_PX - labels,
+                                            .y = box.y + 0.5 * box.h,
+                                            .align_x = 0.5,
+                                            .size_px = ASDIC_TEXT_PX,
+                                            .upwards = true},
                           axis->label);
     }
 }
@@ -150,19 +151,20 @@ void asdic_canvas_scale(asdic_canvas *c, asdic_box box, const asdic_plot_axis *a
         asdic_canvas_line(c, right, y, right + TICK_PX, y);
         asdic_canvas_text(
             c,
-            (asdic_text){
+            (asdic_lettering){
                 .x = right + TICK_PX + GAP_PX, .y = y, .align_y = 0.5, .size_px = ASDIC_TEXT_PX},
             ticks[i].label);
     }
     double labels = label_width(axis, max_count);
     if (axis->label) {
-        asdic_canvas_text(c,
-                          (asdic_text){.x = right + TICK_PX + 2.0 * GAP_PX + labels + ASDIC_TEXT_PX,
-                                       .y = box.y + 0.5 * box.h,
-                                       .align_x = 0.5,
-                                       .size_px = ASDIC_TEXT_PX,
-                                       .upwards = true},
-                          axis->label);
+        asdic_canvas_text(
+            c,
+            (asdic_lettering){.x = right + TICK_PX + 2.0 * GAP_PX + labels + ASDIC_TEXT_PX,
+                              .y = box.y + 0.5 * box.h,
+                              .align_x = 0.5,
+                              .size_px = ASDIC_TEXT_PX,
+                              .upwards = true},
+            axis->label);
     }
 }
 

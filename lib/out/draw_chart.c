@@ -165,7 +165,7 @@ static void draw_name(labels *l, double x, double y, double gap_px, const char *
         if (!is_free(l, box)) {
             continue;
         }
-        asdic_text place = {
+        asdic_lettering place = {
             .x = box.x + 3.0, .y = box.y + 10.0, .align_y = 0.5, .size_px = ASDIC_NOTE_PX};
         l->taken[l->count++] = box;
         if (i >= 8) {
@@ -305,7 +305,8 @@ static asdic_box draw_scale(asdic_canvas *c, const page *p) {
     asdic_canvas_line(c, x + wide, y - 6.0, x + wide, y + 6.0);
     asdic_canvas_text(
         c,
-        (asdic_text){.x = x + 0.5 * wide, .y = y - 8.0, .align_x = 0.5, .size_px = ASDIC_NOTE_PX},
+        (asdic_lettering){
+            .x = x + 0.5 * wide, .y = y - 8.0, .align_x = 0.5, .size_px = ASDIC_NOTE_PX},
         label);
     return ground;
 }
@@ -327,7 +328,8 @@ static asdic_box draw_north(asdic_canvas *c, const page *p) {
     cairo_fill(c->cr);
     asdic_canvas_text(
         c,
-        (asdic_text){.x = x, .y = y - 14.0, .align_x = 0.5, .size_px = ASDIC_TEXT_PX, .bold = true},
+        (asdic_lettering){
+            .x = x, .y = y - 14.0, .align_x = 0.5, .size_px = ASDIC_TEXT_PX, .bold = true},
         "N");
     return ground;
 }

@@ -62,7 +62,8 @@ static void label_astern(asdic_canvas *c, const page *p, double radius_px, const
     cairo_fill(c->cr);
     asdic_canvas_color(c, ASDIC_INK_RGB);
     asdic_canvas_text(
-        c, (asdic_text){.x = x, .y = y, .align_x = 0.5, .align_y = 0.5, .size_px = ASDIC_TEXT_PX},
+        c,
+        (asdic_lettering){.x = x, .y = y, .align_x = 0.5, .align_y = 0.5, .size_px = ASDIC_TEXT_PX},
         label);
 }
 
@@ -78,13 +79,13 @@ static void label_ring(asdic_canvas *c, const page *p, double radius_px, const c
     asdic_canvas_line(c, x, y, x + 7.0 * out_x, y + 7.0 * out_y);
     asdic_canvas_color(c, ASDIC_INK_RGB);
     asdic_canvas_text(c,
-                      (asdic_text){.x = x + 12.0 * out_x,
-                                   .y = y + 12.0 * out_y,
-                                   .align_x = out_x > 0.3    ? 0.0
-                                              : out_x < -0.3 ? 1.0
-                                                             : 0.5,
-                                   .align_y = 0.5 + 0.5 * out_y,
-                                   .size_px = ASDIC_TEXT_PX},
+                      (asdic_lettering){.x = x + 12.0 * out_x,
+                                        .y = y + 12.0 * out_y,
+                                        .align_x = out_x > 0.3    ? 0.0
+                                                   : out_x < -0.3 ? 1.0
+                                                                  : 0.5,
+                                        .align_y = 0.5 + 0.5 * out_y,
+                                        .size_px = ASDIC_TEXT_PX},
                       label);
 }
 
@@ -151,11 +152,11 @@ static void draw_bearings(asdic_canvas *c, const page *p, bool is_section) {
         snprintf(label, sizeof label, "%s\u00b0", number);
         asdic_canvas_color(c, ASDIC_INK_RGB);
         asdic_canvas_text(c,
-                          (asdic_text){.x = x2,
-                                       .y = y2,
-                                       .align_x = 0.5 - 0.5 * sin(angle),
-                                       .align_y = 0.5 - 0.5 * cos(angle),
-                                       .size_px = ASDIC_TEXT_PX},
+                          (asdic_lettering){.x = x2,
+                                            .y = y2,
+                                            .align_x = 0.5 - 0.5 * sin(angle),
+                                            .align_y = 0.5 - 0.5 * cos(angle),
+                                            .size_px = ASDIC_TEXT_PX},
                           label);
     }
 }

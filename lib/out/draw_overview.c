@@ -83,19 +83,19 @@ static void name_beams(asdic_canvas *c, asdic_box box, const asdic_overview *o,
     double each = box.w / (double)o->beams;
     for (size_t i = 0; i < o->beams; i++) {
         asdic_canvas_text_fit(c,
-                              (asdic_text){.x = box.x + ((double)i + 0.5) * each,
-                                           .y = box.y + box.h + 12.0,
-                                           .align_x = 0.5,
-                                           .align_y = 1.0,
-                                           .size_px = ASDIC_TEXT_PX},
+                              (asdic_lettering){.x = box.x + ((double)i + 0.5) * each,
+                                                .y = box.y + box.h + 12.0,
+                                                .align_x = 0.5,
+                                                .align_y = 1.0,
+                                                .size_px = ASDIC_TEXT_PX},
                               names[i], name_room(box, o));
     }
     asdic_canvas_text(c,
-                      (asdic_text){.x = box.x + 0.5 * box.w,
-                                   .y = box.y + box.h + 16.0 + 1.5 * ASDIC_TEXT_PX,
-                                   .align_x = 0.5,
-                                   .align_y = 1.0,
-                                   .size_px = ASDIC_TEXT_PX},
+                      (asdic_lettering){.x = box.x + 0.5 * box.w,
+                                        .y = box.y + box.h + 16.0 + 1.5 * ASDIC_TEXT_PX,
+                                        .align_x = 0.5,
+                                        .align_y = 1.0,
+                                        .size_px = ASDIC_TEXT_PX},
                       "beam");
 }
 
@@ -138,7 +138,7 @@ asdic_status asdic_draw_overview(asdic_context *ctx, const char *path,
         asdic_canvas_frame(&canvas, p.box[i]);
         asdic_canvas_text(
             &canvas,
-            (asdic_text){
+            (asdic_lettering){
                 .x = p.box[i].x, .y = p.box[i].y - 10.0, .size_px = ASDIC_TEXT_PX, .bold = true},
             i == 0 ? "level of the strongest echo" : "range of the strongest echo");
         if (overview->pings > 1) {

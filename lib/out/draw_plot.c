@@ -26,7 +26,9 @@ static void draw_panel(asdic_canvas *c, asdic_box box, const asdic_plot *plot, b
     asdic_canvas_frame(c, box);
     if (plot->title) {
         asdic_canvas_text_fit(
-            c, (asdic_text){.x = box.x, .y = box.y - 10.0, .size_px = ASDIC_TEXT_PX, .bold = true},
+            c,
+            (asdic_lettering){
+                .x = box.x, .y = box.y - 10.0, .size_px = ASDIC_TEXT_PX, .bold = true},
             plot->title, box.w);
     }
 }

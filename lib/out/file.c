@@ -1,7 +1,6 @@
 #include "file.h"
 
 #include "base/context.h"
-#include "base/text.h"
 #include "base/try.h"
 
 #include <errno.h>

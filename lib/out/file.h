@@ -7,12 +7,13 @@
 #ifndef ASDIC_OUT_FILE_H
 #define ASDIC_OUT_FILE_H
 
+#include "base/text.h"
+
 #include <asdic/context.h>
 
 #include <stdio.h>
 
 typedef struct asdic_file asdic_file;
-struct asdic_text;
 
 asdic_status asdic_file_create(asdic_context *ctx, const char *path, asdic_file **out);
 
@@ -48,7 +49,7 @@ asdic_status asdic_file_write_soon(asdic_context *ctx, const char *path, const v
                                    size_t length);
 
 /* Writes TEXT, of WHAT, as the whole file, SOON as asdic_file_write_soon does. TEXT is empty afterwards. */
-asdic_status asdic_file_write_text(asdic_context *ctx, const char *path, struct asdic_text *text,
+asdic_status asdic_file_write_text(asdic_context *ctx, const char *path, asdic_text *text,
                                    const char *what, bool soon);
 
 /* Whether both paths lead to one file or folder, which is there. */
