@@ -489,7 +489,8 @@ def test_detections():
     for name, value in ("pfa", .9), ("prior", .9999), ("snr_db", 60.1), ("cost_ratio", 1e-9):  # as in a scene file
         raises(asdic.ArgumentError, f"'{name}' = {value:g} is out of range", run.detect, **{name: value})
     raises(asdic.ArgumentError, "cells of 1e+09 m", run.detect, cell_m=1e9)
-    raises(asdic.ArgumentError, "a P_FA of 0.9 (in [1e-12, 0.5])", asdic.roc, pool(), range_m=20, pfa=.9)
+    raises(asdic.ArgumentError, "a P_FA of 0.9 (in [1e-12, 0.5])", asdic.roc, pool(), range_m=20, target_strength_db=-10,
+           pfa=.9)
     found = run.detect(pfa=1e-3)
     tap.equal(found.report.pings, 3, "pings")
     tap.equal(found.classes["name"][0], "ball", "classes")

@@ -126,8 +126,8 @@ ASDIC_API const asdic_output_options *asdic_mission_output(const asdic_mission *
  * when memory is short. */
 ASDIC_API char *asdic_scene_name(const char *path);
 
-/* Whether the file PATH is SCENE, or one that a value of that scene file names: what is written there
- * would be lost to the next who reads the scene. */
+/* Whether the file PATH is SCENE, or one that a value of that scene file names: what is written
+ * there would be lost to the next who reads the scene. */
 ASDIC_API bool asdic_scene_reads(const char *scene, const char *path);
 
 /* Where the mission came from: the path as given, the text in UTF-8, and the SHA-256 of the file's
