@@ -110,23 +110,52 @@ static void join_faces(const asdic_planes *p, uint32_t *root) {
 }
 
 typedef struct extent {
-    double area_m2, long_m; /* LONG: how far it reaches from the first corner */
+    asdic_vec3 normal_m2; /* of all faces */
+    double area_m2,
+        long_m; /* LONG: how far it reaches from the first corner; of what bends without end */
     size_t faces;
 } extent;
+
+static void add_face(extent *plane, const dev_triangle *t, asdic_vec3 from) {
+    asdic_vec3 a = vec_of(t->v0), b = asdic_vec3_sub(vec_of(t->v1), a);
+    asdic_vec3 twice_m2 = asdic_vec3_cross(b, asdic_vec3_sub(vec_of(t->v2), a));
+    bool turned = asdic_vec3_dot(twice_m2, plane->normal_m2) < 0.0;
+    plane->normal_m2 =
+        asdic_vec3_add(plane->normal_m2, asdic_vec3_scale(twice_m2, turned ? -0.5 : 0.5));
+    plane->area_m2 += 0.5 * asdic_vec3_length(twice_m2);
+    plane->faces++;
+    for (uint32_t k = 0; k < 3; k++) {
+        asdic_vec3 way = asdic_vec3_sub(vec_of(corner_of(t, k)), from);
+        plane->long_m = fmax(plane->long_m, asdic_vec3_length(way));
+    }
+}
+
+/* Far from the origin, where a rounding is as much as fine facets of a round body turn by, each neighbour goes on into the next,
+ * and all of them round the body. */
+static void drop_bent(extent *plane, const dev_triangle *t, asdic_vec3 from, double rounding_m) {
+    double most_m = rounding_m + SAME_PLANE * plane->long_m;
+    for (uint32_t k = 0; k < 3; k++) {
+        asdic_vec3 way = asdic_vec3_sub(vec_of(corner_of(t, k)), from);
+        double off = fabs(asdic_vec3_dot(way, plane->normal_m2));
+        plane->long_m =
+            off > most_m * asdic_vec3_length(plane->normal_m2) ? INFINITY : plane->long_m;
+    }
+}
 
 /* How high planes are: as high as a square's triangles, its area by how far it reaches. */
 static void measure(const asdic_placement *placement, uint32_t *root, extent *planes,
                     asdic_planes *out) {
-    for (size_t i = 0; i < out->count; i++) {
-        const dev_triangle *t = asdic_placement_triangle(placement, i);
-        uint32_t at = root_of(root, (uint32_t)i);
-        asdic_vec3 from = vec_of(asdic_placement_triangle(placement, at)->v0), a = vec_of(t->v0);
-        asdic_vec3 b = asdic_vec3_sub(vec_of(t->v1), a), c = asdic_vec3_sub(vec_of(t->v2), a);
-        planes[at].area_m2 += 0.5 * asdic_vec3_length(asdic_vec3_cross(b, c));
-        planes[at].faces++;
-        for (uint32_t k = 0; k < 3; k++) {
-            asdic_vec3 way = asdic_vec3_sub(vec_of(corner_of(t, k)), from);
-            planes[at].long_m = fmax(planes[at].long_m, asdic_vec3_length(way));
+    double rounding_m = ROUNDING * placement->extent_m;
+    for (int bent = 0; bent < 2; bent++) {
+        for (size_t i = 0; i < out->count; i++) {
+            const dev_triangle *t = asdic_placement_triangle(placement, i);
+            uint32_t at = root_of(root, (uint32_t)i);
+            asdic_vec3 from = vec_of(asdic_placement_triangle(placement, at)->v0);
+            if (bent) {
+                drop_bent(&planes[at], t, from, rounding_m);
+            } else {
+                add_face(&planes[at], t, from);
+            }
         }
     }
     for (size_t i = 0; i < out->count; i++) {

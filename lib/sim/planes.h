@@ -13,7 +13,8 @@
 typedef struct asdic_planes {
     uint32_t *
         beyond; /* of face i 3 i + k: the face in its plane that shares the side from its corner k on */
-    float *height_m; /* of the plane that a face is a part of; 0: of no more than two faces */
+    float *
+        height_m; /* of the plane that a face is a part of; 0: of no more than two faces, or what bends */
     uint8_t
         *form; /* how a face is heard by the ping that is being made: DEV_FORM_*, 0: not told yet */
     size_t count;

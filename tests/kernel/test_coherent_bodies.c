@@ -229,6 +229,36 @@ static void a_ball_is_as_loud_from_everywhere(void **state) {
     rig_destroy(&r);
 }
 
+/* Scatterers of a fine ball, where coordinates reach as far as a plate that is OFF_M away and not heard. */
+static unsigned long long scatterers_of_ball(double off_m) {
+    ping_rig r = long_pulse();
+    asdic_mesh *ball = NULL, *plate = NULL;
+    asdic_pose pose = {.position_m = {6.0, 0.4, 7.0}}, far = {.position_m = {off_m, 0.0, 7.0}};
+    assert_ok(t.ctx, asdic_mesh_sphere(t.ctx, 0.3, 256, &ball));
+    assert_ok(t.ctx, asdic_mesh_plate(t.ctx, 1.0, 1.0, &plate));
+    assert_ok(t.ctx, asdic_scene_add_object(r.scene, "ball", ball, pose,
+                                            asdic_material_facet(200.0, 0.0, 0.0)));
+    assert_ok(t.ctx, asdic_scene_add_object(r.scene, "plate", plate, far,
+                                            asdic_material_facet(200.0, 0.0, 0.0)));
+    asdic_simulator *sim = rig_simulator(&r);
+    asdic_ping *ping = array_shoot(&r, sim, 0);
+    unsigned long long rays = ping->rays;
+    asdic_ping_destroy(&ping);
+    asdic_simulator_destroy(&sim);
+    asdic_mesh_destroy(&plate);
+    asdic_mesh_destroy(&ball);
+    rig_destroy(&r);
+    return rays;
+}
+
+/* Where coordinates are so large that neighbours differ by no more than their rounding, the facets of a ball are no plane. */
+static void a_ball_is_no_plane(void **state) {
+    (void)state;
+    unsigned long long near = scatterers_of_ball(1000.0), far = scatterers_of_ball(6000.0);
+    print_message("ball: %llu scatterers, %llu of coarser coordinates\n", near, far);
+    assert_in_range(far, near - near / 20, near + near / 20);
+}
+
 /* Lloyd's mirror: a point under a smooth surface, heard straight and by way of the surface, both ways, by faces of these
  * heights: in tall ones' side lobes the image has another sign. */
 static void hold_fringes(double sent_m, double heard_m) {
@@ -830,6 +860,7 @@ int main(void) {
         cmocka_unit_test(a_cylinder_has_its_lobes),
         cmocka_unit_test(a_plate_is_heard_by_two_lobes),
         cmocka_unit_test(a_ball_is_as_loud_from_everywhere),
+        cmocka_unit_test(a_ball_is_no_plane),
         cmocka_unit_test(a_point_interferes_with_its_image),
         cmocka_unit_test(a_bottom_turns_the_phase),
         cmocka_unit_test(nothing_goes_through_a_plate),
