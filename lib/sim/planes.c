@@ -72,8 +72,8 @@ static bool go_on(const asdic_placement *placement, const side *a, const side *b
     asdic_vec3 q = asdic_vec3_sub(vec_of(corner_of(t, b->number % 3 + 2)), from);
     asdic_vec3 m = asdic_vec3_cross(along, p), n = asdic_vec3_cross(along, q);
     double larger = fmax(asdic_vec3_length(m), asdic_vec3_length(n));
-    double apart = fabs(
-        asdic_vec3_dot(m, q)); /* times that, how far the lower's corner is off the other's plane */
+    /* Times the larger, how far the lower's corner is off the other's plane. */
+    double apart = fabs(asdic_vec3_dot(m, q));
     bool flat = s->part == t->part && apart <= ROUNDING * placement->extent_m * larger;
     return asdic_vec3_dot(m, n) < 0.0 && (flat || asdic_planes_agree(s, t));
 }
@@ -111,8 +111,8 @@ static void join_faces(const asdic_planes *p, uint32_t *root) {
 
 typedef struct extent {
     asdic_vec3 normal_m2; /* of all faces */
-    double area_m2,
-        long_m; /* LONG: how far it reaches from the first corner; of what bends without end */
+    double area_m2;
+    double long_m; /* how far it reaches from the first corner; without end: it bends */
     size_t faces;
 } extent;
 

@@ -10,14 +10,15 @@
 /* No face. */
 #define ASDIC_NO_FACE UINT32_MAX
 
+/* By faces of the scene. */
 typedef struct asdic_planes {
-    uint32_t *
-        beyond; /* of face i 3 i + k: the face in its plane that shares the side from its corner k on */
-    float *
-        height_m; /* of the plane that a face is a part of; 0: of no more than two faces, or what bends */
-    uint8_t
-        *form; /* how a face is heard by the ping that is being made: DEV_FORM_*, 0: not told yet */
     size_t count;
+    /* [face][side]: the face in its plane that shares the side from that corner on. */
+    uint32_t *beyond;
+    /* Of the plane that a face is a part of; 0: of no more than two faces, or of what bends. */
+    float *height_m;
+    /* How the ping under way hears a face: DEV_FORM_*, 0: not told yet. */
+    uint8_t *form;
 } asdic_planes;
 
 /* Of the scene's faces those of which SMOOTH says so, by part; one that goes on beyond another part or a fold ends there. Whether
