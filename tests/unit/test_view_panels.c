@@ -17,7 +17,7 @@ static void texts_lose_what_is_no_text(void **state) {
     cairo_surface_t *surface = cairo_image_surface_create(CAIRO_FORMAT_ARGB32, 100, 20);
     canvas.cr = cairo_create(surface);
     word_count = 0;
-    asdic_canvas_text(&canvas, (asdic_text){.size_px = 12.0}, "b\xe9ton");
+    asdic_canvas_text(&canvas, (asdic_lettering){.size_px = 12.0}, "b\xe9ton");
     assert_string_equal(words[0].text, "bton");
     assert_int_equal(cairo_status(canvas.cr), CAIRO_STATUS_SUCCESS);
     cairo_destroy(canvas.cr);
@@ -42,7 +42,7 @@ static void long_texts_lose_their_middle(void **state) {
         }
         snprintf(text + used, sizeof text - (size_t)used, ": end");
         word_count = 0;
-        asdic_canvas_text_fit(&canvas, (asdic_text){.size_px = 15.0}, text, 220.0);
+        asdic_canvas_text_fit(&canvas, (asdic_lettering){.size_px = 15.0}, text, 220.0);
         assert_true(word_count == 1 && words[0].width < 221.0);
         const char *dots = strstr(words[0].text, "\u2026");
         assert_true((dots != NULL) == (i == 2));
