@@ -10,15 +10,12 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/statvfs.h>
 #include <unistd.h>
 
-/* LLVM ends the process when it cannot write on. What a command compiles is 1 MB in files of up to 0.3 MB with PoCL
- * 3.1. */
+/* LLVM ends the process when it cannot write on. What a command compiles is 1 MB with PoCL 3.1. */
 #define ROOM_BYTES 8000000u
-#define FILE_BYTES 1000000u
 
 /* Bytes of a path that are shown where it is too long to be one. */
 #define SHOWN 60
@@ -39,15 +36,11 @@ bool asdic_cache_folder(char path[ASDIC_CACHE_SIZE]) {
     return folder && snprintf(path, ASDIC_CACHE_SIZE, "%s%s", folder, below) < ASDIC_CACHE_SIZE;
 }
 
-/* 0, or ENOSPC or EFBIG where compiled kernels have no room in FOLDER. Some file systems do not tell theirs. */
+/* 0, or ENOSPC where compiled kernels have no room in FOLDER. Some file systems do not tell theirs. */
 static int lack_of_room(const char *folder) {
     struct statvfs disk;
-    struct rlimit most;
     bool is_told = statvfs(folder, &disk) == 0 && disk.f_blocks > 0;
-    bool is_short = getrlimit(RLIMIT_FSIZE, &most) == 0 && most.rlim_cur < FILE_BYTES;
-    return is_short                                                          ? EFBIG
-           : is_told && (uint64_t)disk.f_bavail * disk.f_frsize < ROOM_BYTES ? ENOSPC
-                                                                             : 0;
+    return is_told && (uint64_t)disk.f_bavail * disk.f_frsize < ROOM_BYTES ? ENOSPC : 0;
 }
 
 /* 0, or why PATH can neither be written to nor be made: not every folder that root may write to takes another, and
@@ -67,12 +60,10 @@ static int refusal_of(const char *path) {
 asdic_status asdic_cache_check_room(asdic_context *ctx) {
     char path[ASDIC_CACHE_SIZE];
     int error = asdic_cache_folder(path) ? lack_of_room(path) : 0;
-    return error ? asdic_fail(
-                       ctx, ASDIC_ERROR_IO, "compiled kernels have no room in '%s' (%s); %s", path,
-                       strerror(error),
-                       error == EFBIG
-                           ? "raise the limit, 'ulimit -f', to 1 MB or more"
-                           : "free 8 MB there, or set POCL_CACHE_DIR to a folder that has them")
+    return error ? asdic_fail(ctx, ASDIC_ERROR_IO,
+                              "compiled kernels have no room in '%s' (%s); free 8 MB there, or set "
+                              "POCL_CACHE_DIR to a folder that has them",
+                              path, strerror(error))
                  : ASDIC_OK;
 }
 
