@@ -645,15 +645,12 @@ size_t asdic_patches_mirrors(const asdic_simulator *sim, double depth_m[2]) {
 /* The planes of what keeps its phase; none are looked for where nothing does. Moved bodies keep theirs. */
 static bool find_planes(const asdic_simulator *sim, asdic_planes *planes) {
     size_t parts = sim->setup.scene->part_count;
-    bool any = false, known = planes->form != NULL, *smooth = calloc(parts + 1, sizeof *smooth);
+    bool any = false, *smooth = calloc(parts + 1, sizeof *smooth);
     for (size_t i = 0; smooth && i < parts; i++) {
         smooth[i] = keeps_phase(law_of(sim, i));
         any |= smooth[i];
     }
-    bool found = smooth && (!any || known || asdic_planes_find(sim->placement, smooth, planes));
-    if (planes->form) {
-        memset(planes->form, DEV_FORM_ROUGH, planes->count);
-    }
+    bool found = smooth && (!any || asdic_planes_find(sim->placement, smooth, planes));
     free(smooth);
     return found;
 }
@@ -669,9 +666,12 @@ asdic_status asdic_patches_find(const asdic_simulator *sim, const asdic_ping_sho
         f.mirror_m[i] -= sim->placement->origin_m.z;
     }
     out->count = out->slots = out->smooth = 0;
-    out->out_of_memory = !find_planes(sim, &out->planes);
-    if (out->out_of_memory) {
+    out->out_of_memory = false;
+    if (!out->planes.form && !find_planes(sim, &out->planes)) {
         return asdic_fail_memory(sim->ctx, "the planes of smooth bodies");
+    }
+    if (out->planes.form) {
+        memset(out->planes.form, DEV_FORM_ROUGH, out->planes.count);
     }
     cut_surfaces(&f); /* counts */
     /* Counts are rounded up to powers of two, on average by 1.44. */
