@@ -90,24 +90,22 @@ int __wrap_pthread_create(pthread_t *thread, const pthread_attr_t *attributes, v
 
 /* ---- OpenCL: what allocates answers that it could not, what works that the device is gone ---- */
 
-#define CALL(name, parameters, call)                                                               \
-    cl_int __real_##name parameters;                                                               \
-    cl_int __wrap_##name parameters;                                                               \
-    cl_int __wrap_##name parameters {                                                              \
-        return fails(FAULT_OPENCL) ? CL_OUT_OF_RESOURCES : __real_##name call;                     \
-    }
-
-/* A command, after which the host has WAITED for all before it, or not. */
-#define COMMAND(name, parameters, call, waited)                                                    \
+#define NOTED_CALL(name, parameters, call, note)                                                   \
     cl_int __real_##name parameters;                                                               \
     cl_int __wrap_##name parameters;                                                               \
     cl_int __wrap_##name parameters {                                                              \
         if (fails(FAULT_OPENCL)) {                                                                 \
             return CL_OUT_OF_RESOURCES;                                                            \
         }                                                                                          \
-        atomic_store(&pending, !(waited));                                                         \
+        note;                                                                                      \
         return __real_##name call;                                                                 \
     }
+
+#define CALL(name, parameters, call) NOTED_CALL(name, parameters, call, (void)0)
+
+/* A command, after which the host has WAITED for all before it, or not. */
+#define COMMAND(name, parameters, call, waited)                                                    \
+    NOTED_CALL(name, parameters, call, atomic_store(&pending, !(waited)))
 
 #define CREATION(result, name, parameters, call)                                                   \
     result __real_##name parameters;                                                               \
