@@ -135,8 +135,8 @@ void asdic_canvas_scale(asdic_canvas *c, asdic_box box, const asdic_plot_axis *a
     size_t max_count = tick_count(box.h, 30.0);
     size_t count = asdic_axis_ticks(axis, max_count, ticks);
     uint8_t pixels[256 * 3];
-    asdic_raster scale = {.width = 1, .height = 256, .rgb = pixels};
-    for (unsigned i = 0; i < 256; i++) {
+    asdic_raster scale = {.width = 1, .height = sizeof pixels / 3, .rgb = pixels};
+    for (unsigned i = 0; i < scale.height; i++) {
         asdic_raster_set(&scale, 0, i, asdic_colormap_rgb(map, 255 - i));
     }
     asdic_canvas_raster(c, &scale, box);
