@@ -452,8 +452,8 @@ static void what_stands_out_is_red(void **state) {
 /* Panels of any frame lie within it, apart from each other, and leave little of it empty. */
 static void panels_fill_the_frame(void **state) {
     (void)state;
-    static const unsigned sizes[][2] = {{640, 360},   {800, 600},   {1280, 720},
-                                        {1920, 1080}, {1000, 3000}, {7680, 360}};
+    static const unsigned sizes[][2] = {{640, 360},   {800, 600},  {1280, 720}, {1920, 1080},
+                                        {1000, 3000}, {7680, 360}, {7680, 4320}};
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
         view_layout l = asdic_view_lay_out(sizes[i][0], sizes[i][1]);
         const asdic_box boxes[] = {l.title, l.sonar, l.ascope, l.chase, l.plan, l.status};
@@ -472,9 +472,21 @@ static void panels_fill_the_frame(void **state) {
             }
         }
         assert_true(area > 0.9 * width * height);
-        assert_close(l.sonar.x, width - l.chase.x - l.chase.w, 2.0); /* as wide at both sides */
         assert_close(l.sonar.w, l.chase.w, 2.0);
-        assert_close(l.ascope.y + l.ascope.h, l.status.y + l.status.h, 2.0);
+        /* As far from each other as from the edges. */
+        const double gaps[] = {width - l.chase.x - l.chase.w,
+                               l.chase.x - l.sonar.x - l.sonar.w,
+                               l.status.x - l.plan.x - l.plan.w,
+                               width - l.status.x - l.status.w,
+                               l.ascope.y - l.sonar.y - l.sonar.h,
+                               l.plan.y - l.chase.y - l.chase.h,
+                               height - l.ascope.y - l.ascope.h,
+                               height - l.status.y - l.status.h,
+                               l.ascope.x,
+                               10.0 * l.scale};
+        for (size_t k = 0; k < sizeof gaps / sizeof *gaps; k++) {
+            assert_close(gaps[k], l.sonar.x, 2.0);
+        }
     }
 }
 
