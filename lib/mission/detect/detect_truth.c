@@ -434,15 +434,13 @@ size_t asdic_namer_find(const asdic_namer *namer, size_t beam, size_t bin) {
         return number > 0 && (size_t)number <= namer->count ? (size_t)number - 1 : 0;
     }
     /* A pulse, and the footprint of a ray, reach into neighbouring bins. */
-    for (size_t off = 0; off < bins; off++) {
-        double weight = 0.0;
-        size_t best = bin >= off ? heaviest(namer, beam, bin - off, &weight) : 0;
+    size_t best = 0;
+    double weight = 0.0;
+    for (size_t off = 0; off < bins && !(weight > 0.0); off++) {
+        best = bin >= off ? heaviest(namer, beam, bin - off, &weight) : 0;
         if (!(weight > 0.0) && bin + off < bins) {
             best = heaviest(namer, beam, bin + off, &weight);
         }
-        if (weight > 0.0) {
-            return best;
-        }
     }
-    return 0;
+    return best;
 }
