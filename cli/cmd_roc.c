@@ -198,7 +198,7 @@ static int judge(cli *c, request *r, const char *folder) {
     static const char *const files[3] = {"roc.csv", "roc_range.csv", "roc.png"};
     char *paths[3] = {NULL, NULL, NULL};
     int code = CLI_FAILED;
-    bool is_new = false, is_good = cli_make_folder(c, folder, &is_new);
+    bool is_new, is_good = cli_make_folder(c, folder, &is_new);
     for (int i = 0; i < 3 && is_good; i++) {
         is_good = out_path(c, folder, files[i], &paths[i]);
     }

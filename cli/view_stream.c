@@ -108,7 +108,7 @@ static bool take_snapshot(view_job *job, const char *folder) {
 int view_snapshots(view_job *job, size_t count, size_t pings, const char *folder, bool force) {
     asdic_status status = ASDIC_OK;
     size_t taken = 0;
-    bool is_new = false;
+    bool is_new;
     if (!cli_make_folder(job->c, folder, &is_new)) {
         return CLI_FAILED;
     }
