@@ -8,10 +8,13 @@
 
 #include "../../kernels/backscatter.h"
 #include "../../kernels/beam.h"
+#include "../../kernels/coherent.h"
 #include "../../kernels/detection.h"
 #include "../../kernels/facet_form.h"
 #include "../../kernels/target.h"
 #include "../../kernels/water.h"
+
+#include <complex.h>
 
 typedef struct part {
     const char *name;
@@ -136,11 +139,37 @@ static void a_triangle_sums_its_phases(void **state) {
     assert_true(worst < 1e-6);
 }
 
+/* R / |R| of Rayleigh's coefficient in complex numbers, of mud slower than water to rock, with and without losses. */
+static void mirrored_waves_turn_as_their_coefficient(void **state) {
+    (void)state;
+    static const double bottoms[][3] = {/* of density, of index, of loss */
+                                        {1.15, 1.02, 0.005},
+                                        {1.9, 0.85, 0.017},
+                                        {2.5, 0.4, 0.01},
+                                        {1.9, 0.85, 0.0},
+                                        {0.9, 1.2, 0.3}};
+    for (size_t i = 0; i < sizeof bottoms / sizeof *bottoms; i++) {
+        for (int degrees = 1; degrees <= 90; degrees++) {
+            double sine = sin(degrees * 3.14159265358979323846 / 180.0), m = bottoms[i][0] * sine;
+            double complex n = bottoms[i][1] * (1.0 - I * bottoms[i][2]);
+            double complex root = csqrt(n * n - (1.0 - sine * sine));
+            root = cimag(root) > 0.0 ? -root : root;
+            double complex r = (m - root) / (m + root);
+            phasor got = fluid_reflection_phase(sine, bottoms[i][0], bottoms[i][1], bottoms[i][2]);
+            assert_close(got.re, creal(r) / cabs(r), 1e-9);
+            assert_close(got.im, cimag(r) / cabs(r), 1e-9);
+        }
+    }
+    phasor nothing = fluid_reflection_phase(1.0, 1.0, 1.0, 0.0);
+    assert_true(nothing.re == 1.0 && nothing.im == 0.0);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(parts_of_formulas),
         cmocka_unit_test(parts_of_the_detector),
         cmocka_unit_test(a_triangle_sums_its_phases),
+        cmocka_unit_test(mirrored_waves_turn_as_their_coefficient),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
