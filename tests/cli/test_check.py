@@ -75,6 +75,14 @@ def test_json_holds_the_same():
     tap.equal(scene["sha256"], hashlib.sha256(EXAMPLE.read_bytes()).hexdigest())
 
 
+def test_an_object_of_one_letter_is_no_bottom():
+    scene = (MINIMAL.replace("{depth_m: 12}", "{none: true}") +
+             "objects: [{name: a, sphere: {radius_m: 1}, position_m: [9, 0, 7]}]\n")
+    tap.contains(asdic("check", "-", stdin=scene).check(code=0).out, "dB r.m.s., more at objects' edges\n")
+    [found] = json.loads(asdic("check", "-", "--json", stdin=scene).check(code=0).out)
+    tap.equal((found["bottom"], len(found["meshes"])), ("none", 1))
+
+
 def test_errors_are_foretold_of_the_adaptive_sampler_alone():
     # The others err ten times as much and more: no rule tells how much.
     for sampler, said in (("adaptive", "for a stated error of about 0.036 dB r.m.s."),
@@ -139,10 +147,15 @@ def test_places_are_judged_beside_other_errors():
                 grid_yaml=MINIMAL.replace("depth_m: 12", "grid: {file: g.asc}") + "sampling: {rays: 1}\n",
                 law_yaml=flat.replace("depth_m: 4", "depth_m: 4, type: sandd, lambert_db: -27"),
                 way_yaml=flat.replace("depth_m: 4", "depth_m: 4, type: sandd").replace(
-                    "pose: {position_m: [0, 0, 7]}", "waypoints: [[0, 0, 3], [30, 0, 9]]")) as at:
+                    "pose: {position_m: [0, 0, 7]}", "waypoints: [[0, 0, 3], [30, 0, 9]]"),
+                sonar_yaml=flat.replace("source_level_db: 0", "source_level_db: 2000\n  ping_rate_hz: 1").replace(
+                    "pose: {position_m: [0, 0, 7]}", "waypoints: [[0, 0, 3], [30, 0, 9]]"),
+                both_yaml=MINIMAL + "  track: none.csv\n") as at:
+        tap.contains(asdic("check", "both.yaml", cwd=at).check(3).err, "error: both.yaml: 1 error\n")
         for name, words in (("flat", ("'rays' = 1 is out of range", below)), ("grid", ("'rays' = 1 is out of range", below)),
                             ("law", ("'type' = sandd is not one of", "'type' has no effect beside 'lambert_db'", below)),
-                            ("way", ("'type' = sandd is not one of", "m, below the bottom at 4 m"))):
+                            ("way", ("'type' = sandd is not one of", "m, below the bottom at 4 m")),
+                            ("sonar", ("'source_level_db' = 2000 is out of range", "m, below the bottom at 4 m"))):
             err = asdic("check", name + ".yaml", cwd=at).check(3).err
             for part in (*words, f"error: {name}.yaml: {len(words)} errors"):
                 tap.contains(err, part)

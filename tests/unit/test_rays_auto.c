@@ -109,6 +109,14 @@ static void limits(void **state) {
     assert_int_equal(rays_of(1, 0.0, 0.0, 10.0, ASDIC_OVER_PLANES), 20000);
     assert_int_equal(rays_of(512, 150.0, 0.0, 300.0, ASDIC_OVER_PLANES), 524288);
     assert_int_equal(asdic_rays_auto(NULL, SPEED, ASDIC_OVER_PLANES), 20000);
+    /* What is no sonar, or no water, has no cells. */
+    const asdic_beam beam = {.length_h_m = 0.1, .length_v_m = 0.1};
+    asdic_sonar sonar = asdic_sonar_default(), silent = sonar;
+    sonar.receivers = silent.receivers = &beam;
+    sonar.receiver_count = silent.receiver_count = 1;
+    silent.frequency_hz = 0.0;
+    assert_int_equal(asdic_rays_auto(&sonar, 0.0, ASDIC_OVER_PLANES), 20000);
+    assert_int_equal(asdic_rays_auto(&silent, SPEED, ASDIC_OVER_PLANES), 20000);
 }
 
 static void mirrors_ask_for_twice_as_many(void **state) {

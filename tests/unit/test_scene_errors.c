@@ -253,6 +253,11 @@ static void alternatives_exclude_each_other(void **state) {
     expect_edit("mission:\n", "mission:\n  track: a.csv\n",
                 "9:3: error: 'track' and 'pose' exclude each other; give only one of 'pose', "
                 "'track', 'waypoints'  [mission]\n");
+    /* A key of another place is not told of as one that has no effect, too. */
+    expect_edit(
+        "{depth_m: 12}", "{depth_m: 12, lambert_db: -27, impedance_mrayl: 3}",
+        "2:40: error: unknown key 'impedance_mrayl' here; it belongs in objects[].material  "
+        "[bottom]\n");
     expect_edit(
         "  pose: {position_m: [0, 0, 7]}", "  pings: 3",
         "8:3: error: none of 'pose', 'track', 'waypoints' is given; give one of them  [mission]\n");
