@@ -325,6 +325,15 @@ static void the_nearest_of_a_plane_is_found(void **state) {
                      1e-6 * range);
         tried++;
     }
+    /* Straight down, in water that bends much: as long as sound takes at the speed at the sonar, c ln(c' / c) / g. */
+    for (double g = -10.0; g <= 10.0; g += 4.0) {
+        ray_medium water = water_of(g, 20.0);
+        ray r = ray_start((triple){0.0, 0.0, 20.0}, (triple){0.0, 0.0, 1.0}, water);
+        double t = 40.0, z = ray_point(&r, t).z, c = SPEED + g * 20.0;
+        double least = c * log((SPEED + g * z) / c) / g;
+        assert_close(ray_plane_nearest(&r, t, 1e3, (triple){0.0, 0.0, 1.0}, 1.0), least,
+                     5e-4 * least);
+    }
 }
 
 /* Without a gradient, and as it goes to nothing, rays are straight. */
