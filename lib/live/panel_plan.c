@@ -246,11 +246,15 @@ static void scale_bar(const map *m) {
 static void north_arrow(const map *m) {
     cairo_t *cr = m->p->canvas->cr;
     double s = m->p->scale, x = m->box.x + m->box.w - 16.0 * s, y = m->box.y + 12.0 * s;
-    cairo_move_to(cr, x, y);
-    cairo_line_to(cr, x + 5.0 * s, y + 14.0 * s);
-    cairo_line_to(cr, x, y + 10.5 * s);
-    cairo_line_to(cr, x - 5.0 * s, y + 14.0 * s);
+    cairo_save(cr);
+    cairo_translate(cr, x, y);
+    cairo_scale(cr, s, s);
+    cairo_move_to(cr, 0.0, 0.0);
+    cairo_line_to(cr, 5.0, 14.0);
+    cairo_line_to(cr, 0.0, 10.5);
+    cairo_line_to(cr, -5.0, 14.0);
     cairo_close_path(cr);
+    cairo_restore(cr);
     asdic_canvas_color(m->p->canvas, PANEL_INK_RGB);
     cairo_fill(cr);
     panel_text(
