@@ -1,7 +1,8 @@
 /*
  * Objects from above. A mesh may hold many things (boulders): the cells that its triangles touch
- * are marked, and each connected group of cells gets a ring of the corners that lie farthest in
- * each of a few directions.
+ * are marked, and each connected group of cells gets a ring of the places that lie farthest in
+ * each of a few directions. A group that bends (a pipeline, a net cage's ring) is halved first,
+ * until its parts fill their rings.
  */
 #include "chart.h"
 #include "scene.h"
@@ -11,6 +12,7 @@
 #include "base/vec.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -18,10 +20,12 @@
 #define CELLS 128
 #define COARSE_CELLS 48
 #define MANY_TRIANGLES 100000u
+/* A group whose ring is larger than this many times its cells is halved. */
+#define MOST_HOLLOW 1.25
 
 typedef struct piece {
     double reach[ASDIC_OUTLINE_SIDES]; /* farthest in each direction so far */
-    double at[ASDIC_OUTLINE_SIDES][2]; /* the corner that does: north, east */
+    double at[ASDIC_OUTLINE_SIDES][2]; /* the place that does: north, east */
 } piece;
 
 typedef struct charter {
@@ -31,7 +35,8 @@ typedef struct charter {
     size_t order_count;
     double low[2], cell_m; /* north, east */
     size_t cells;
-    int32_t label[CELLS * CELLS]; /* -1 empty, 0 marked, else piece number + 1 */
+    double unit[ASDIC_OUTLINE_SIDES][2]; /* the directions of rings */
+    int32_t label[CELLS * CELLS];        /* -1 empty, 0 marked, else piece number + 1 */
     uint32_t stack[CELLS * CELLS];
     asdic_outline *outlines;
     size_t count, capacity;
@@ -105,35 +110,103 @@ static void flood(charter *c, size_t start, int32_t number) {
     }
 }
 
-static size_t part_pieces(charter *c) {
-    int32_t number = 0;
-    for (size_t i = 0; i < c->cells * c->cells; i++) {
-        if (c->label[i] == 0) {
-            flood(c, i, ++number);
-        }
+static void begin_piece(piece *p) {
+    for (int k = 0; k < ASDIC_OUTLINE_SIDES; k++) {
+        p->reach[k] = -INFINITY;
     }
-    return (size_t)number;
 }
 
-/* Each corner goes to its piece, in the directions in which it lies farthest. */
-static void reach_out(const charter *c, piece *pieces) {
-    double unit[ASDIC_OUTLINE_SIDES][2];
+static void reach_out(const charter *c, double north, double east, piece *p) {
     for (int k = 0; k < ASDIC_OUTLINE_SIDES; k++) {
-        double bearing = 2.0 * ASDIC_PI * k / ASDIC_OUTLINE_SIDES;
-        unit[k][0] = cos(bearing);
-        unit[k][1] = sin(bearing);
+        double reach = north * c->unit[k][0] + east * c->unit[k][1];
+        if (reach > p->reach[k]) {
+            p->reach[k] = reach;
+            p->at[k][0] = north;
+            p->at[k][1] = east;
+        }
     }
-    for (size_t i = 0; i < 3 * c->order_count; i++) {
-        double at[2];
-        corner_of(c, c->order[i / 3], (int)(i % 3), at);
-        size_t cell = cell_of(c, 0, at[0]) * c->cells + cell_of(c, 1, at[1]);
-        piece *p = &pieces[c->label[cell] - 1];
-        for (int k = 0; k < ASDIC_OUTLINE_SIDES; k++) {
-            double reach = (at[0] - c->low[0]) * unit[k][0] + (at[1] - c->low[1]) * unit[k][1];
-            if (reach > p->reach[k]) {
-                p->reach[k] = reach;
-                memcpy(p->at[k], at, sizeof at);
+}
+
+/* The area of the ring round P. */
+static double ring_area(const piece *p) {
+    double twice = 0.0;
+    for (int k = 0; k < ASDIC_OUTLINE_SIDES; k++) {
+        const double *a = p->at[k], *b = p->at[(k + 1) % ASDIC_OUTLINE_SIDES];
+        twice += a[0] * b[1] - a[1] * b[0];
+    }
+    return 0.5 * twice;
+}
+
+/* Parts the cells of group NUMBER, if they fill little of their ring, in two across the longer side: the groups that
+ * its halves become have its number and those from *LAST + 1 on, which *LAST counts. Whether it did. */
+static bool halve(charter *c, int32_t number, int32_t *last) {
+    size_t low[2] = {SIZE_MAX, SIZE_MAX}, high[2] = {0, 0}, held = 0;
+    piece ring;
+    begin_piece(&ring);
+    for (size_t i = 0; i < c->cells * c->cells; i++) {
+        if (c->label[i] != number) {
+            continue;
+        }
+        size_t at[2] = {i / c->cells, i % c->cells};
+        for (int axis = 0; axis < 2; axis++) {
+            low[axis] = at[axis] < low[axis] ? at[axis] : low[axis];
+            high[axis] = at[axis] > high[axis] ? at[axis] : high[axis];
+        }
+        reach_out(c, (double)at[0], (double)at[1], &ring);
+        held++;
+    }
+    if (ring_area(&ring) <= MOST_HOLLOW * (double)held) {
+        return false;
+    }
+    int across = high[1] - low[1] > high[0] - low[0];
+    size_t middle = (low[across] + high[across] + 1) / 2;
+    bool is_taken = false; /* NUMBER */
+    for (int half = 0; half < 2; half++) {
+        for (size_t i = 0; i < c->cells * c->cells; i++) {
+            bool is_high = (across ? i % c->cells : i / c->cells) >= middle;
+            c->label[i] = c->label[i] == number && is_high == (half == 1) ? 0 : c->label[i];
+        }
+        for (size_t i = 0; i < c->cells * c->cells; i++) {
+            if (c->label[i] == 0) {
+                flood(c, i, is_taken ? ++*last : number);
+                is_taken = true;
             }
+        }
+    }
+    return true;
+}
+
+static size_t part_pieces(charter *c) {
+    int32_t count = 0;
+    for (size_t i = 0; i < c->cells * c->cells; i++) {
+        if (c->label[i] == 0) {
+            flood(c, i, ++count);
+        }
+    }
+    for (int32_t number = 1; number <= count; number++) {
+        while (halve(c, number, &count)) {
+        }
+    }
+    return (size_t)count;
+}
+
+static piece *piece_at(const charter *c, const double at[2], piece *pieces) {
+    return &pieces[c->label[cell_of(c, 0, at[0]) * c->cells + cell_of(c, 1, at[1])] - 1];
+}
+
+/* Each corner goes to its piece; a side that leads from one piece to another, to both and to those between. */
+static void reach_all(const charter *c, piece *pieces) {
+    for (size_t i = 0; i < 3 * c->order_count; i++) {
+        double from[2], to[2], steps = 1.0;
+        corner_of(c, c->order[i / 3], (int)(i % 3), from);
+        corner_of(c, c->order[i / 3], (int)((i + 1) % 3), to);
+        double north = to[0] - from[0], east = to[1] - from[1];
+        if (piece_at(c, from, pieces) != piece_at(c, to, pieces)) {
+            steps = ceil(2.0 * fmax(fabs(north), fabs(east)) / c->cell_m);
+        }
+        for (double k = 0.0; k < steps; k++) {
+            const double at[2] = {from[0] + north * (k / steps), from[1] + east * (k / steps)};
+            reach_out(c, at[0], at[1], piece_at(c, at, pieces));
         }
     }
 }
@@ -178,11 +251,9 @@ static asdic_status chart_part(charter *c, const char *name) {
         return asdic_fail_memory(c->ctx, "outlines of objects");
     }
     for (size_t i = 0; i < count; i++) {
-        for (int k = 0; k < ASDIC_OUTLINE_SIDES; k++) {
-            pieces[i].reach[k] = -INFINITY;
-        }
+        begin_piece(&pieces[i]);
     }
-    reach_out(c, pieces);
+    reach_all(c, pieces);
     asdic_status status = add_rings(c, name, pieces, count);
     free(pieces);
     return status;
@@ -219,6 +290,11 @@ asdic_status asdic_chart_outlines(asdic_context *ctx, const asdic_scene *scene, 
     c->scene = scene;
     c->outlines = NULL;
     c->count = c->capacity = 0;
+    for (int k = 0; k < ASDIC_OUTLINE_SIDES; k++) {
+        double bearing = 2.0 * ASDIC_PI * k / ASDIC_OUTLINE_SIDES;
+        c->unit[k][0] = cos(bearing);
+        c->unit[k][1] = sin(bearing);
+    }
     sort_by_part(scene, first, order);
     for (size_t p = 0; p < scene->part_count && status == ASDIC_OK; p++) {
         c->order = order + first[p];

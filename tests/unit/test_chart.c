@@ -270,6 +270,56 @@ static void outlines_are_the_objects(void **state) {
     asdic_scene_destroy(&scene);
 }
 
+/* The ring of a net cage from above, 9 m to 10 m wide, and a pipe that bends by a right angle: their outlines hold
+ * them, not what they go round. */
+static void outlines_follow_what_bends(void **state) {
+    (void)state;
+    enum { PARTS = 64, BENT = PARTS / 4 };
+    double corners_m[2 * (PARTS + 1) * 3];
+    uint32_t triangles[2 * PARTS * 3];
+    for (uint32_t k = 0; k <= PARTS; k++) {
+        for (uint32_t side = 0; side < 2; side++) {
+            double *at = corners_m + 3 * (2 * k + side), radius_m = side ? 10.0 : 9.0;
+            at[0] = radius_m * cos(2.0 * ASDIC_PI * k / PARTS);
+            at[1] = radius_m * sin(2.0 * ASDIC_PI * k / PARTS);
+            at[2] = 0.0;
+        }
+    }
+    for (uint32_t k = 0; k < PARTS; k++) {
+        const uint32_t two[6] = {2 * k, 2 * k + 1, 2 * k + 2, 2 * k + 2, 2 * k + 1, 2 * k + 3};
+        memcpy(triangles + 6 * k, two, sizeof two);
+    }
+    asdic_scene *scene = slope_scene();
+    const uint32_t parts[2] = {PARTS, BENT};
+    const char *names[2] = {"cage", "pipe"};
+    for (int i = 0; i < 2; i++) {
+        asdic_mesh *mesh;
+        assert_int_equal(asdic_mesh_from_triangles(ctx, corners_m, 2 * (parts[i] + 1), triangles,
+                                                   2 * parts[i], &mesh),
+                         ASDIC_OK);
+        add_object(scene, names[i], mesh, (asdic_pose){.position_m = {50, 60.0 * i, 2}});
+    }
+    assert_int_equal(asdic_scene_commit(scene), ASDIC_OK);
+    asdic_outline *outlines;
+    size_t count;
+    double area_m2[2] = {0.0, 0.0};
+    assert_int_equal(asdic_chart_outlines(ctx, scene, &outlines, &count), ASDIC_OK);
+    for (size_t k = 0; k < count; k++) {
+        int which = strcmp(outlines[k].name, "pipe") == 0;
+        area_m2[which] += area_of(outlines[k].north_m, outlines[k].east_m, outlines[k].count);
+        for (size_t j = 0; j < outlines[k].count; j++) {
+            double at_m =
+                hypot(outlines[k].north_m[j] - 50.0, outlines[k].east_m[j] - 60.0 * which);
+            assert_in_range((int)(1000.0 * at_m), 8980, 10001);
+        }
+    }
+    /* A ring of 59.6 m2 in a disc of 314, a quarter of it in a hull of 38. */
+    assert_close(area_m2[0], 66.0, 9.0);
+    assert_close(area_m2[1], 17.0, 3.0);
+    free(outlines);
+    asdic_scene_destroy(&scene);
+}
+
 static const asdic_relief no_relief;
 
 /* Four piles 10 m apart or more, without names and with them: whatever was dark stays dark, so that no name
@@ -474,6 +524,7 @@ int main(void) {
         cmocka_unit_test(light_falls_on_slopes),
         cmocka_unit_test(relief_is_coloured_by_depth),
         cmocka_unit_test(outlines_are_the_objects),
+        cmocka_unit_test(outlines_follow_what_bends),
         cmocka_unit_test(names_do_not_cover_what_they_name),
         cmocka_unit_test(charts_leave_out_what_is_far),
         cmocka_unit_test(a_track_is_as_long_as_its_box),
