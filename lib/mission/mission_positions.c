@@ -185,7 +185,8 @@ static void remark_on_bottom(mission_builder *b) {
     if (down_m > 2.0 * fmin(north_m, east_m)) {
         asdic_log(b->ctx, ASDIC_LOG_WARNING,
                   "%s:%u:%u: warning: the bottom stands upright: %.4g m north, %.4g m east, %.4g m "
-                  "down; if its file has y up, give 'rotation_deg: [0, 90, 0]'  [bottom.mesh]",
+                  "down; if its file has y up, give 'rotation_deg: [0, 90, 0]' beside 'mesh'  "
+                  "[bottom.mesh]",
                   b->problems->name, bottom->mesh.node->line, bottom->mesh.node->column, north_m,
                   east_m, down_m);
     }

@@ -518,7 +518,7 @@ def test_upright_bottom_is_remarked_on():
         up = asdic("check", "up.yaml", cwd=at)
         tap.contains(up.err, "up.yaml:2:16: warning: the bottom stands upright: 2 m north, 100 m "
                              "east, 80 m down; if its file has y up, give 'rotation_deg: "
-                             "[0, 90, 0]'  [bottom.mesh]\n")
+                             "[0, 90, 0]' beside 'mesh'  [bottom.mesh]\n")
         ok = asdic("check", "ok.yaml", cwd=at)
         tap.equal((ok.code, ok.err), (0, ""))
         # North is -z, east x, down -y.
