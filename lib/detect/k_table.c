@@ -127,12 +127,35 @@ double asdic_k_table_pd(asdic_k_table *t, const asdic_background *b, double targ
                : asdic_detect_pd(b, ASDIC_TARGET_SWERLING2, target_lin, threshold_lin);
 }
 
+/* asdic_k_table_ratio to LN; whether it is in the table. */
+static bool look_up_ratio(asdic_k_table *t, const asdic_background *a, const asdic_background *b,
+                          double intensity_lin, double *ln) {
+    double own, other;
+    bool is_tabled = look_up(t, DENSITY, intensity_lin / b->mean_lin, b->noise_share, &other) &&
+                     look_up(t, DENSITY, intensity_lin / a->mean_lin, a->noise_share, &own);
+    *ln = is_tabled ? own - other - (double)b->looks * log(a->mean_lin / b->mean_lin) : (double)NAN;
+    return is_tabled;
+}
+
 double asdic_k_table_llr(asdic_k_table *t, const asdic_background *b, double target_lin,
                          double intensity_lin) {
     asdic_background both = asdic_background_with(b, target_lin);
-    double none, with;
-    bool is_tabled = look_up(t, DENSITY, intensity_lin / b->mean_lin, b->noise_share, &none) &&
-                     look_up(t, DENSITY, intensity_lin / both.mean_lin, both.noise_share, &with);
-    return is_tabled ? with - none - (double)b->looks * log(both.mean_lin / b->mean_lin)
-                     : asdic_detect_llr(b, ASDIC_TARGET_SWERLING2, target_lin, intensity_lin);
+    double ln;
+    return look_up_ratio(t, &both, b, intensity_lin, &ln)
+               ? ln
+               : asdic_detect_llr(b, ASDIC_TARGET_SWERLING2, target_lin, intensity_lin);
+}
+
+double asdic_k_table_ratio(asdic_k_table *t, const asdic_background *a, const asdic_background *b,
+                           double intensity_lin) {
+    double looks = (double)b->looks, ln;
+    if (b->shape > ASDIC_SHAPE_MAX) {
+        return looks * (log(b->mean_lin / a->mean_lin) +
+                        intensity_lin * (1.0 / b->mean_lin - 1.0 / a->mean_lin));
+    }
+    return look_up_ratio(t, a, b, intensity_lin, &ln)
+               ? ln
+               : asdic_detect_log_density(a, intensity_lin) -
+                     asdic_detect_log_density(b, intensity_lin) -
+                     looks * log(a->mean_lin / b->mean_lin);
 }

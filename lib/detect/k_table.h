@@ -26,4 +26,8 @@ double asdic_k_table_pd(asdic_k_table *table, const asdic_background *b, double 
 double asdic_k_table_llr(asdic_k_table *table, const asdic_background *b, double target_lin,
                          double intensity_lin);
 
+/* ln of the density of an intensity by A re that by B, both with the looks and shape of the TABLE. */
+double asdic_k_table_ratio(asdic_k_table *table, const asdic_background *a,
+                           const asdic_background *b, double intensity_lin);
+
 #endif

@@ -8,6 +8,7 @@
 #include "base/try.h"
 #include "base/widest.h"
 #include "evidence.h"
+#include "hidden.h"
 #include "sim/ring.h"
 
 #include <math.h>
@@ -416,6 +417,7 @@ static void join_neighbours(update *u) {
 
 static asdic_status add(asdic_context *ctx, asdic_k_table *k_table, update *u) {
     TRY(asdic_evidence_create(ctx, u->look, k_table, &u->seen));
+    TRY(asdic_evidence_hide(ctx, u->look, k_table, &u->seen));
     TRY(find_spots(ctx, u));
     size_t count = u->seen.arcs * u->seen.azimuths * u->seen.bins;
     u->rate = calloc(3 * count + 1, sizeof *u->rate);

@@ -2,6 +2,8 @@
 #include "map_rig.h"
 
 #include "detect/evidence.h"
+#include "detect/hidden.h"
+#include "detect/law.h"
 
 #include <stddef.h>
 
@@ -110,6 +112,7 @@ static void check_column(double side_m, double asked_m, size_t beyond, double to
             r.intensity[echo] = 15.0;
             const asdic_look look = look_of(&r);
             assert_ok(ctx, asdic_evidence_create(ctx, &look, NULL, &seen));
+            assert_ok(ctx, asdic_evidence_hide(ctx, &look, NULL, &seen));
             assert_true(seen.headings[0].slope_high > tan(42.0 * DEGREE));
             double mean = mean_ratio(&r, &seen, plane_m - 0.5 * asked_m, plane_m + 0.5 * asked_m);
             asdic_vec3 low = {plane_m - 0.5 * side_m, -0.5 * side_m, 0.0};
@@ -439,6 +442,45 @@ static void maps_do_not_depend_on_the_compass(void **state) {
     }
 }
 
+/* Log-odds behind an echo at 20 m after ten looks, where the bins there hold BEHIND_LIN of the background in single
+ * looks of exponential speckle, or in K speckle of SHAPE. */
+static double behind_an_echo(double behind_lin, double shape, double at_m) {
+    enum { ECHO = 40, LOOKS = 10 };
+    map_rig r;
+    uint64_t state = 1;
+    map_begin(&r, 1);
+    r.sonar.speckle = isinf(shape) ? ASDIC_SPECKLE_RAYLEIGH : ASDIC_SPECKLE_K;
+    r.sonar.speckle_shape = isinf(shape) ? r.sonar.speckle_shape : shape;
+    const asdic_background unit = asdic_background_of(&r.sonar, SPEED, 1.0, 0.0);
+    assert_true(unit.looks == 1);
+    for (int look = 0; look < LOOKS; look++) {
+        for (size_t n = 0; n < MAP_BINS; n++) {
+            asdic_rare_draw d = asdic_rare_draw_one(&unit, 5, state++);
+            double texture = isinf(shape) ? 1.0 : d.texture / shape;
+            r.intensity[n] = (n > ECHO ? behind_lin : 1.0) * d.speckle * texture;
+        }
+        r.intensity[ECHO] = 400.0;
+        map_look(&r);
+    }
+    double odds = map_at(&r, at_m, 0.1);
+    asdic_occupancy_destroy(&r.map);
+    return odds;
+}
+
+/* What lies in an object's shadow would not be heard: it stays as likely as it was. Behind an echo without a shadow
+ * quiet bins clear the cells as they do before it. */
+static void shadows_do_not_clear(void **state) {
+    (void)state;
+    const double shapes[] = {INFINITY, 4.0, 1.0};
+    for (int k = 0; k < 3; k++) {
+        for (double at_m = 23.3; at_m < 48.0; at_m += 6.0) {
+            assert_close(behind_an_echo(0.01, shapes[k], at_m), MAP_PRIOR, 0.5);
+            assert_true(behind_an_echo(1.0, shapes[k], at_m) < -8.0);
+        }
+        assert_true(behind_an_echo(0.01, shapes[k], 15.3) < -8.0);
+    }
+}
+
 /* Fixed in the world, clipped, and no larger than memory. */
 static void maps_have_limits(void **state) {
     (void)state;
@@ -509,6 +551,7 @@ int main(void) {
         cmocka_unit_test(cells_lie_at_their_centres),
         cmocka_unit_test(water_that_is_not_heard_says_nothing),
         cmocka_unit_test(maps_do_not_depend_on_the_compass),
+        cmocka_unit_test(shadows_do_not_clear),
         cmocka_unit_test(maps_have_limits),
         cmocka_unit_test(looks_have_limits),
     };

@@ -127,10 +127,11 @@ typedef struct asdic_look {
  * so far (Thrun, Autonomous Robots 15, 111 (2003): a forward model; here a step for each cell). A
  * quiet bin thus clears a cell by as much as an object there would have been heard, a detection is
  * shared by all cells that it may come from, and poses that see them otherwise tell them apart. Of
- * several elevations the ratios are averaged, as for an object that is at one of them.
+ * several elevations the ratios are averaged, as for an object that is at one of them. Bins behind
+ * a likely object that hold as little as its shadow would say nothing.
  *
  * False cells: in no case are more than prior / (1 - prior) expected above even odds where a cell
- * has no neighbours, as long as odds are not clipped from below (Ville's inequality: a product of
+ * has no neighbours and nothing before it, as long as odds are not clipped from below (Ville's inequality: a product of
  * likelihood ratios has a mean of at most 1); neighbours make them fewer. */
 ASDIC_API asdic_status asdic_occupancy_add(asdic_context *ctx, asdic_occupancy *map,
                                            const asdic_look *look);
