@@ -110,6 +110,21 @@ static void reach(const asdic_surface *s, asdic_corners around, uint32_t facet, 
     }
 }
 
+/* Of the COUNT corners KEPT those of faces that keep flat and from which the surface does not go on into FACET: what rounds
+ * their edge begins along them. All, where there are none. */
+static uint32_t keep_faces(const asdic_surface *s, uint32_t facet, uint32_t *kept, uint32_t count) {
+    uint32_t faces = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        uint32_t from = s->patch[kept[i] / 3];
+        if (s->patches[from].ends && asdic_fold_parts(s, from, s->patch[facet])) {
+            uint32_t other = kept[faces];
+            kept[faces++] = kept[i];
+            kept[i] = other;
+        }
+    }
+    return faces > 0 ? faces : count;
+}
+
 asdic_corners asdic_crease_within(const asdic_surface *s, asdic_corners around, uint32_t facet,
                                   uint32_t *kept) {
     bool reached[ASDIC_MOST_CORNERS], ends = has_end(s, around);
@@ -121,7 +136,7 @@ asdic_corners asdic_crease_within(const asdic_surface *s, asdic_corners around, 
         kept[count] = around.at[i];
         count += ends ? reached[i] : goes_on(s, facet, around.at[i]);
     }
-    return (asdic_corners){kept, count};
+    return (asdic_corners){kept, ends ? keep_faces(s, facet, kept, count) : count};
 }
 
 bool asdic_crease_is_even(const asdic_surface *s, asdic_corners around) {

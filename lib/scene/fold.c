@@ -10,6 +10,11 @@
 /* A turn goes on where the next is alike to this ratio, by itself or by length: chords of a circle turn by half the sum of
  * their lengths over its radius, and the first and the last of a fillet by half as much as those within. */
 #define ALIKE 6.0
+/* A chord of a circle turns by half of its own arc and half of its neighbour's. What turns over an edge by the half of its
+ * neighbour alone bends less than so much of it: a wall between fillets, a barrel between domes. */
+#define STRAIGHT (1.0 / 6.0)
+/* Of less, patches that are level to ASDIC_SAME_PLANE do not tell it. */
+#define LEAST_TURN (20.0 * ASDIC_SAME_PLANE)
 /* A facet so much narrower than what it bevels stands for a rounded edge. */
 #define BEVEL_RATIO 4.0
 /* What lies at a patch's far side is farther away than this share of its width, more than the middle of what is beside. */
@@ -224,11 +229,41 @@ static bool turns_on(const asdic_surface *s, uint32_t patch, const asdic_fold *f
     return false;
 }
 
+/* Whether all that turns over OWN, the fold of a patch that reaches A across it, is the arc of the patch beyond, as its far
+ * side has it. BACK: from there. */
+static bool is_tangent(const asdic_surface *s, const across *a, const asdic_fold *own,
+                       const asdic_fold *back) {
+    double next = asdic_patch_reach(s, own->patch, a->way), arc = (double)back->beyond * next;
+    return a->sine > LEAST_TURN && back->beyond < INFINITY &&
+           fabs((double)own->rate * (a->width + next) - arc) <
+               STRAIGHT * a->width * (double)back->beyond;
+}
+
+/* Whether PATCH is straight between what turns at its FOLD, BACK from there, and at its far side, if anything does. */
+static bool is_wall(const asdic_surface *s, uint32_t patch, const asdic_fold *fold,
+                    const asdic_fold *back) {
+    across a = across_of(s, patch, asdic_fold_turn(s, patch, fold->patch));
+    bool wall = is_tangent(s, &a, fold, back);
+    for (uint32_t j = s->first_fold[patch]; wall && j < s->first_fold[patch + 1]; j++) {
+        const asdic_fold *far = &s->folds[j], *home = find_fold(s, far->patch, patch);
+        wall = !is_edge(far, home) || !is_far(&a, fold, far) ||
+               !(turn_along(&a, asdic_fold_turn(s, patch, far->patch)) > 0.0) ||
+               is_tangent(s, &a, far, home);
+    }
+    return wall;
+}
+
 /* Whether PATCH keeps flat towards FOLD: three facets or fewer, one after another, are faces that meet at blunt edges,
  * unless the one amid is narrow: a bevel. */
 static bool keeps_flat(const asdic_surface *s, uint32_t patch, const asdic_fold *fold) {
     const asdic_fold *back = find_fold(s, fold->patch, patch);
-    if (!is_edge(fold, back) || !(fold->rate > 0.0f) || is_amid(fold, back)) {
+    if (!is_edge(fold, back) || !(fold->rate > 0.0f)) {
+        return false;
+    }
+    if (is_wall(s, patch, fold, back)) {
+        return true;
+    }
+    if (is_amid(fold, back)) {
         return false;
     }
     if (back->beyond < INFINITY) {

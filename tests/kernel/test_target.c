@@ -6,6 +6,8 @@
 #include "target_bodies.h"
 #include "target_rig.h"
 
+#include "../unit/lathe.h"
+
 static test_device t;
 
 #define PI 3.14159265358979323846
@@ -18,13 +20,15 @@ typedef enum body {
     ELLIPSOID, /* meshes */
     TUBE,
     CUT_PLATE,
-    DISC
+    DISC,
+    CAPSULE /* along x: a yaw of 90 degrees shows its side */
 } body;
 
 typedef struct target_case {
     const char *name;
     body body;
-    double size_m[3]; /* sphere, disc: radius; cylinder: radius, length; plate: sides; ellipsoid:
+    double size_m
+        [3]; /* sphere, disc: radius; cylinder: radius, length, a capsule's without domes; plate: sides; ellipsoid:
                          half-axes */
     unsigned segments;
     double yaw_deg;
@@ -32,6 +36,19 @@ typedef struct target_case {
     double roughness_m, slope_rms;
     double expected_db, tolerance_db;
 } target_case;
+
+/* Domes of BANDS. */
+static asdic_mesh *capsule(double radius_m, double length_m, unsigned bands) {
+    enum { MOST = 26 };
+    ring rings[MOST];
+    assert_true(2 * (bands + 1) <= MOST);
+    for (unsigned i = 0; i <= bands; i++) {
+        double polar = 0.5 * PI * i / bands, x = 0.5 * length_m + radius_m * cos(polar);
+        rings[i] = (ring){-x, radius_m * sin(polar)};
+        rings[2 * bands + 1 - i] = (ring){x, radius_m * sin(polar)};
+    }
+    return lathe_mesh(t.ctx, rings, 2 * (bands + 1), 48);
+}
 
 static asdic_mesh *case_mesh(const target_case *c) {
     const double *m = c->size_m;
@@ -52,6 +69,8 @@ static asdic_mesh *case_mesh(const target_case *c) {
         return body_tube(t.ctx, m[0], m[1], c->segments, 7);
     case CUT_PLATE:
         return body_plate(t.ctx, m[0], m[1], c->segments);
+    case CAPSULE:
+        return capsule(m[0], m[1], c->segments);
     default:
         return body_disc(t.ctx, m[0], c->segments);
     }
@@ -74,6 +93,8 @@ static double case_extent(const target_case *c) {
         return 0.5 * fmax(m[0], m[1]);
     case ELLIPSOID:
         return fmax(m[1], m[2]);
+    case CAPSULE:
+        return m[0] + 0.5 * m[1];
     default:
         return m[0];
     }
@@ -85,6 +106,9 @@ static double case_depth(const target_case *c) {
     if (c->body == ELLIPSOID) {
         double yaw = c->yaw_deg * PI / 180.0;
         return hypot(c->size_m[0] * cos(yaw), c->size_m[1] * sin(yaw));
+    }
+    if (c->body == CAPSULE) {
+        return c->size_m[0] + 0.5 * c->size_m[1] * fabs(cos(c->yaw_deg * PI / 180.0));
     }
     return flat ? 0.0 : end_on(c) ? 0.5 * c->size_m[1] : c->size_m[0];
 }
@@ -162,6 +186,20 @@ static const target_case rough[] = {
 static const target_case straight[] = {
     {"cylinder broadside a 0.25 m, L 1 m", CYLINDER, {0.25, 1}, 96, 0, F, 300, 0, 0, 9.21, 1.0},
     {"  as a mesh, a tube cut unevenly", TUBE, {0.25, 1}, 80, 0, F, 300, 0, 0, 9.21, 1.0},
+    {"capsule a 0.2 m, barrel 0.3 m, 4 bands",
+     CAPSULE,
+     {0.2, 0.3},
+     4,
+     90,
+     F,
+     200,
+     0,
+     0,
+     -2.22,
+     0.5},
+    {"  of 6 bands, barrel 0.15 m", CAPSULE, {0.2, 0.15}, 6, 90, F, 200, 0, 0, -8.24, 0.5},
+    {"  turned by 10 degrees", CAPSULE, {0.2, 0.3}, 4, 80, F, 200, 0, 0, -20.0, 0.5},
+    {"  of 3 bands", CAPSULE, {0.2, 1.0}, 3, 80, F, 200, 0, 0, -20.0, 0.5},
     {"plate 0.3 x 0.3 m, far", PLATE, {0.3, 0.3}, 0, 0, F, 100, 0, 0, 15.56, 0.3},
     {"plate 0.6 x 0.2 m, far", PLATE, {0.6, 0.2}, 0, 0, F, 100, 0, 0, 18.06, 0.3},
     {"  as a mesh, cut unevenly", CUT_PLATE, {0.6, 0.2}, 12, 0, F, 100, 0, 0, 18.06, 0.3},

@@ -154,6 +154,52 @@ static void a_barrel_with_cones_is_straight(void **state) {
     }
 }
 
+/* How far the normals of a capsule of radius 0.2 m, whose dome's BANDS turn by 90 degrees together, are off the round ones,
+ * of barrel and domes, rad. */
+static void off_capsule(double length_m, uint32_t bands, double crease_rad, double off[2]) {
+    enum { MOST = 26 };
+    const double radius_m = 0.2;
+    ring rings[MOST];
+    assert_true(2 * (bands + 1) <= MOST);
+    for (uint32_t i = 0; i <= bands; i++) {
+        double polar = 0.5 * PI * i / bands, x = 0.5 * length_m + radius_m * cos(polar);
+        rings[i] = (ring){-x, radius_m * sin(polar)};
+        rings[2 * bands + 1 - i] = (ring){x, radius_m * sin(polar)};
+    }
+    asdic_scene *scene = lathe(rings, 2 * (bands + 1), 48, crease_rad);
+    off[0] = off[1] = 0.0;
+    for (size_t i = 0; i < scene->triangle_count; i++) {
+        const dev_triangle *t = &scene->triangles[i];
+        float p[3];
+        point_at(t, 0.25, 0.25, p);
+        double x = p[0] + scene->origin_m.x, end = copysign(0.5 * length_m, x);
+        bool domed = fabs(x) > 0.5 * length_m;
+        if (hypot(p[1] + scene->origin_m.y, p[2] + scene->origin_m.z - 9.0) > 1e-3 &&
+            t->corner_normals[0] != DEV_FLAT) {
+            asdic_vec3 round = {domed ? x - end : 0.0, p[1] + scene->origin_m.y,
+                                p[2] + scene->origin_m.z - 9.0};
+            off[domed] = fmax(off[domed], off_rad(t, p, round));
+        }
+    }
+    asdic_scene_destroy(&scene);
+}
+
+/* A barrel is straight beside its domes, however short it is and however coarse they are, and they begin along it. */
+static void a_short_capsule_is_straight_and_round(void **state) {
+    (void)state;
+    static const double lengths_m[] = {0.1, 0.15, 0.3, 0.5, 1.0};
+    static const uint32_t bands[] = {2, 3, 4, 6, 12};
+    for (int k = 0; k < 25; k++) {
+        double off[2], length_m = lengths_m[k / 5];
+        uint32_t count = bands[k % 5];
+        off_capsule(length_m, count, count == 2 ? 50.0 * PI / 180.0 : CREASE_RAD, off);
+        double step = 0.5 * PI / count;
+        print_message("%g m, %u bands: barrel off by %.2g of a step, domes by %.2g\n", length_m,
+                      count, off[0] / step, off[1] / step);
+        assert_true(off[0] < 0.01 * step && off[1] < 0.1 * step);
+    }
+}
+
 /* Half the thickness of NACA 0015 over its chord; Abbott and von Doenhoff 1959, eq. 6.2, its trailing edge closed. */
 static double naca_0015(double x) {
     return 0.75 * (0.2969 * sqrt(x) - x * (0.126 + x * (0.3516 - x * (0.2843 - x * 0.1036))));
@@ -233,6 +279,7 @@ int main(void) {
         cmocka_unit_test(few_plates_stay_flat),
         cmocka_unit_test(a_chamfered_box_is_flat),
         cmocka_unit_test(a_barrel_with_cones_is_straight),
+        cmocka_unit_test(a_short_capsule_is_straight_and_round),
         cmocka_unit_test(a_wing_of_few_strips_is_round),
         cmocka_unit_test(a_crease_angle_makes_facets_flat),
     };
