@@ -149,9 +149,10 @@ typedef struct dev_batch {
 /* Elevation zones of the adaptive sampler. */
 typedef struct dev_zones {
     float bottom_m, surface_m; /* h', hs: distances of the planes that rays are spread over */
-    float bottom_far_m, surface_far_m; /* up to these ranges */
-    float cap_rad;                     /* polar angle of the caps round nadir and zenith */
-    float share[5];                    /* nadir cap, bottom, gap, surface, zenith cap; sum 1 */
+    float bottom_far_m, surface_far_m;           /* up to these ranges */
+    float bottom_bend_per_m, surface_bend_per_m; /* of rays to them, > 0: away from the plane */
+    float cap_rad;  /* polar angle of the caps round nadir and zenith */
+    float share[5]; /* nadir cap, bottom, gap, surface, zenith cap; sum 1 */
 } dev_zones;
 
 /* How directions are drawn. */

@@ -70,12 +70,6 @@ FORMULA triple ray_unlift(triple p, ray_medium water) {
     return p;
 }
 
-FORMULA real ray_bend(real z, ray_medium water) {
-    (void)z;
-    (void)water;
-    return R(0.0);
-}
-
 FORMULA ray ray_start(triple from, triple u, ray_medium water) {
     ray r = {from, u, R(0.0), R(1.0)};
     (void)water;

@@ -208,7 +208,7 @@ typedef struct zones {
     real h, hs;
     real h1, hs1;   /* ranges at which the caps end */
     real far, fars; /* ranges at which they end */
-    real bend;
+    real bend, bends;
     real high, low; /* uz of the gap's ends */
     real begin[5], share[5];
 } zones;
@@ -220,16 +220,16 @@ FORMULA zones zones_of(LOBE_SPACE const dev_ping *ping) {
     z.hs = (real)(ping->sampling.zones.surface_m);
     z.far = (real)(ping->sampling.zones.bottom_far_m);
     z.fars = (real)(ping->sampling.zones.surface_far_m);
-    ray_medium water = {(real)(ping->bend_per_m), R(1.0)};
-    z.bend = ray_bend((real)(ping->origin[2]), water);
+    z.bend = (real)(ping->sampling.zones.bottom_bend_per_m);
+    z.bends = (real)(ping->sampling.zones.surface_bend_per_m);
     z.h1 = ray_plane_range(z.h, cap, z.bend);
-    z.hs1 = ray_plane_range(z.hs, cap, -z.bend);
+    z.hs1 = ray_plane_range(z.hs, cap, z.bends);
     z.high = z.low = R(1.0);
     if (ping->sampling.zones.share[1] > 0.0f) {
         z.high = ray_plane_sine(z.h, z.far, z.bend);
     }
     if (ping->sampling.zones.share[3] > 0.0f) {
-        z.low = ray_plane_sine(z.hs, z.fars, -z.bend);
+        z.low = ray_plane_sine(z.hs, z.fars, z.bends);
     }
     z.low = -z.low;
     real begin = R(0.0);
@@ -265,8 +265,8 @@ FORMULA elevation elevation_of_x(LOBE_SPACE const dev_ping *ping, real x) {
     e.uz = choose(in_bottom, ray_plane_sine(z.h, db, z.bend), e.uz);
     e.density =
         choose(in_bottom, ray_plane_density(z.share[1], db, z.h, z.h1, z.far, z.bend), e.density);
-    e.uz = choose(in_surface, -ray_plane_sine(z.hs, ds, -z.bend), e.uz);
-    e.density = choose(in_surface, ray_plane_density(z.share[3], ds, z.hs, z.hs1, z.fars, -z.bend),
+    e.uz = choose(in_surface, -ray_plane_sine(z.hs, ds, z.bends), e.uz);
+    e.density = choose(in_surface, ray_plane_density(z.share[3], ds, z.hs, z.hs1, z.fars, z.bends),
                        e.density);
     e.across = sqrt(r_max((R(1.0) - e.uz) * (R(1.0) + e.uz), R(1e-12)));
     /* Caps: polar angles, so that the cosine near 1 loses nothing. */
@@ -287,12 +287,12 @@ FORMULA real x_of_elevation(LOBE_SPACE const dev_ping *ping, real uz, real acros
     real x = z.begin[2] + z.share[2] * (z.high - uz) / (z.high - z.low);
     real p = z.share[2] / (z.high - z.low);
     real db = ray_plane_range(z.h, uz, z.bend);
-    real ds = ray_plane_range(z.hs, -uz, -z.bend);
+    real ds = ray_plane_range(z.hs, -uz, z.bends);
     mask in_bottom = uz > z.high, in_surface = uz < z.low;
     x = choose(in_bottom, z.begin[1] + z.share[1] * (db - z.h1) / (z.far - z.h1), x);
     p = choose(in_bottom, ray_plane_density(z.share[1], db, z.h, z.h1, z.far, z.bend), p);
     x = choose(in_surface, z.begin[3] + z.share[3] * (z.fars - ds) / (z.fars - z.hs1), x);
-    p = choose(in_surface, ray_plane_density(z.share[3], ds, z.hs, z.hs1, z.fars, -z.bend), p);
+    p = choose(in_surface, ray_plane_density(z.share[3], ds, z.hs, z.hs1, z.fars, z.bends), p);
     real polar = asin(r_min(across, R(1.0)));
     mask nadir = in_bottom & (uz > R(0.0)) & (polar < cap);
     mask zenith = in_surface & (uz < R(0.0)) & (polar < cap);

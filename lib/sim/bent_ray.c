@@ -129,3 +129,83 @@ bool asdic_bent_ray_cross(const asdic_layers *layers, asdic_bent_ray *ray, int w
     ray->layer = next;
     return true;
 }
+
+/* ---- The plane that layers look like ---- */
+
+/* The sines of rays that do not turn are so much more than of one that just does, at least. */
+#define STEEPER 1e-7
+/* Rays so near the level that it is no reason to lay out all of them for what others do not reach, if water bends even
+ * these towards the end more than they go by themselves. */
+#define LEVEL 5e-3
+/* Halvings that leave a sine as single precision has it. */
+#define HALVINGS 24
+
+/* At what range the ray of SINE, which does not turn, comes to the end of LAYERS. */
+static double range_of_end(const asdic_layers *layers, double depth_m, double sine) {
+    asdic_bent_ray ray = asdic_bent_ray_start(layers, depth_m, asin(sine));
+    double speed_mps = ray.speed_mps;
+    int way = 0;
+    for (size_t i = 0; i < layers->count; i++) {
+        double exit_s = asdic_bent_ray_exit(layers, &ray, &way);
+        if (isinf(exit_s)) {
+            return INFINITY;
+        }
+        ray = asdic_bent_ray_at_plane(layers, &ray, exit_s, way);
+        if (!asdic_bent_ray_cross(layers, &ray, way)) {
+            break;
+        }
+    }
+    return speed_mps * ray.time_s;
+}
+
+/* The fastest sound on the way to the end. */
+static double fastest_mps(const asdic_layers *layers, double depth_m, double side) {
+    double fastest = asdic_layers_speed_mps(layers, depth_m);
+    for (size_t i = 0; i < layers->count; i++) {
+        const asdic_layer *layer = &layers->layer[i];
+        double plane_m = side > 0.0 ? layer->bottom_m : layer->top_m;
+        if (side * (plane_m - depth_m) > 0.0) {
+            fastest = fmax(fastest, asdic_layer_speed_mps(layer, plane_m));
+        }
+    }
+    return fastest;
+}
+
+/* The plane that the ray of SINE meets at RANGE_M, with RATIO of the sound speed there at the sonar: ray_plane_sine as an
+ * equation for x = tanh(bend range / 2). */
+static asdic_bent_plane plane_met(double ratio, double sine, double range_m) {
+    double turn2 = (1.0 - ratio) * (1.0 + ratio);
+    double x = (sine - sqrt(fmax(sine * sine - turn2, 0.0))) / (1.0 + ratio);
+    double bend = 2.0 * atanh(x) / range_m;
+    return (asdic_bent_plane){bend != 0.0 ? (1.0 / ratio - 1.0) / bend : range_m * sine, bend};
+}
+
+asdic_bent_plane asdic_bent_plane_through(const asdic_layers *layers, double depth_m, bool below,
+                                          double reach_m) {
+    double side = below ? 1.0 : -1.0;
+    /* By Snell's law rays turn that are no steeper than where sound is fastest. */
+    double speed_mps = asdic_layers_speed_mps(layers, depth_m);
+    double ratio = speed_mps / fastest_mps(layers, depth_m, side);
+    double turning = sqrt((1.0 - ratio) * (1.0 + ratio));
+    double sine = turning + STEEPER, range_m = range_of_end(layers, depth_m, side * sine);
+    double end_m = below ? layers->layer[layers->count - 1].bottom_m : layers->layer[0].top_m;
+    double height_m = fabs(end_m - depth_m), level_m = range_of_end(layers, depth_m, side * LEVEL);
+    bool bends_more = turning < LEVEL && level_m * LEVEL < 0.5 * height_m && level_m <= reach_m;
+    if (bends_more || (turning < STEEPER && range_m <= reach_m)) {
+        return (asdic_bent_plane){height_m, -2.0 * height_m / (level_m * level_m)};
+    }
+    if (range_m > reach_m) {
+        double steep = 1.0;
+        for (int i = 0; i < HALVINGS; i++) {
+            double middle = 0.5 * (sine + steep);
+            bool is_near = range_of_end(layers, depth_m, side * middle) < reach_m;
+            *(is_near ? &steep : &sine) = middle;
+        }
+        range_m = reach_m;
+    }
+    /* Where sound is slower evenly all the way, level rays bend towards it. */
+    double end_ratio = speed_mps / asdic_layers_speed_mps(layers, end_m);
+    asdic_bent_plane towards = plane_met(fmax(end_ratio, 1.0), sine, range_m);
+    bool is_even = turning < STEEPER && fabs(towards.height_m - height_m) < 0.01 * height_m;
+    return is_even ? towards : plane_met(ratio, sine, range_m);
+}

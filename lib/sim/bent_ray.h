@@ -63,4 +63,15 @@ static inline double asdic_bent_ray_limited_m2(const asdic_bent_ray *ray, double
     return spread > least ? spread : least;
 }
 
+/* A plane HEIGHT_M away in water of one bend (kernels/ray_bent.h), positive: away from the plane. */
+typedef struct asdic_bent_plane {
+    double height_m, bend_per_m;
+} asdic_bent_plane;
+
+/* What the end of LAYERS, BELOW the sonar or above it, looks like to rays from there: the plane in water of one bend before
+ * which the same of them turn, and which the others that set out towards it reach up to REACH_M. Where rays graze it they
+ * meet it at the range of the layers; at others nearly. */
+asdic_bent_plane asdic_bent_plane_through(const asdic_layers *layers, double depth_m, bool below,
+                                          double reach_m);
+
 #endif

@@ -8,6 +8,7 @@
 
 #include "aim.h"
 #include "base/vec.h"
+#include "bent_ray.h"
 #include "cones.h"
 #include "laws/scatterer.h"
 #include "passage.h"
@@ -146,19 +147,36 @@ static double zone_far(double height, double bend, double reach) {
     return turn > 0.0 ? fmin(ray_plane_range(height, sine, bend), reach) : reach;
 }
 
+/* The plane AWAY_M below the sonar or above it as rays are laid out for it. */
+static asdic_bent_plane plane_for_rays(const asdic_simulator *sim, const dev_ping *ping,
+                                       double depth_m, double away_m, bool below) {
+    if (sim->setup.layer_count == 0 || !(away_m > 0.0) || isinf(away_m)) {
+        double bend = asdic_sonar_bend(ping);
+        return (asdic_bent_plane){away_m, below ? bend : -bend};
+    }
+    asdic_layers layers;
+    asdic_flat_scene flat = {
+        .depth_m = depth_m, .altitude_m = away_m, .has_surface = !below, .has_bottom = below};
+    asdic_layers_between(&sim->setup.env, &flat, &layers);
+    return asdic_bent_plane_through(&layers, depth_m, below, ping->reach_m);
+}
+
 /* Where rays bend, one plane may hide part of the other. */
 static void end_zones(dev_ping *ping, bool bottom, bool surface) {
     dev_zones *z = &ping->sampling.zones;
-    double bend = asdic_sonar_bend(ping), reach = ping->reach_m;
+    double bend = z->bottom_bend_per_m, bends = z->surface_bend_per_m, reach = ping->reach_m;
     double h = z->bottom_m, hs = z->surface_m;
     double far = bottom ? zone_far(h, bend, reach) : reach;
-    double fars = surface ? zone_far(hs, -bend, reach) : reach;
+    double fars = surface ? zone_far(hs, bends, reach) : reach;
     if (bottom && surface) {
-        double high = ray_plane_sine(h, far, bend), low = -ray_plane_sine(hs, fars, -bend);
-        if (high < low + GAP && bend < 0.0) {
+        double high = ray_plane_sine(h, far, bend), low = -ray_plane_sine(hs, fars, bends);
+        if (high < low + GAP && bend < 0.0 && bends < 0.0) { /* level rays bend to either */
+            far = fmin(ray_plane_range(h, 0.5 * GAP, bend), far);
+            fars = fmin(ray_plane_range(hs, 0.5 * GAP, bends), fars);
+        } else if (high < low + GAP && bend < 0.0) {
             far = fmin(ray_plane_range(h, low + GAP, bend), far);
         } else if (high < low + GAP) {
-            fars = fmin(ray_plane_range(hs, GAP - high, -bend), fars);
+            fars = fmin(ray_plane_range(hs, GAP - high, bends), fars);
         }
     }
     z->bottom_far_m = (float)far;
@@ -173,16 +191,20 @@ static void place_zones(const asdic_simulator *sim, const asdic_pose *pose, dev_
                  altitude == sim->setup.scene->bottom_plane_depth_m - pose->position_m.z;
     double least = plane ? least_height_m(sim, pose->position_m.z) : LEAST_MESH * range;
     double depth = surface_counts(sim) ? pose->position_m.z : INFINITY;
-    double share = sim->learnt.zone_altitude;
+    double share = sim->learnt.zone_altitude, own_m = pose->position_m.z;
+    asdic_bent_plane below = plane_for_rays(sim, ping, own_m, altitude, true),
+                     above = plane_for_rays(sim, ping, own_m, depth, false);
     if (plane && share == ASDIC_ZONE_ALTITUDE &&
-        zone_far(altitude, asdic_sonar_bend(ping), 2.0 * range) < 2.0 * range) {
+        zone_far(below.height_m, below.bend_per_m, 2.0 * range) < 2.0 * range) {
         share = 1.0; /* the nearer the shadow, the worse a zone for another height fits */
     }
-    double h = fmax(share * altitude, least), hs = fmax(depth, LEAST_PLANE * range);
+    double h = fmax(share * below.height_m, least), hs = fmax(above.height_m, LEAST_PLANE * range);
     bool bottom = h < 0.95 * range, surface = hs < 0.95 * range;
     ping->sampling.zones.bottom_m = (float)(bottom ? h : 2.0 * range);
     ping->sampling.zones.surface_m = (float)(surface ? hs : 2.0 * range);
     ping->sampling.zones.cap_rad = (float)ZONE_CAP_RAD;
+    ping->sampling.zones.bottom_bend_per_m = (float)below.bend_per_m;
+    ping->sampling.zones.surface_bend_per_m = (float)above.bend_per_m;
     memcpy(ping->sampling.zones.share, zone_share, sizeof zone_share);
     if (!bottom) {
         ping->sampling.zones.share[2] +=

@@ -103,6 +103,45 @@ static void reaches_end_as_loud_as_expected(void **state) {
     }
 }
 
+/* A sonar in water of one speed, with layers below that end its reach: rays that hardly differ in elevation bring the
+ * last bins. Laid out by a bend that is fitted to the sound speed they were missing there, by up to 26 dB. */
+static void layers_end_reaches_as_loud_as_expected(void **state) {
+    static const struct {
+        double depth_m;
+        asdic_sound_profile water;
+    } cases[] = {
+        {11.2, {3, {0.0, 11.3, 12.0}, {1500.0, 1500.0, 1500.7}}},
+        {11.7, {3, {0.0, 11.9, 12.0}, {1500.0, 1500.0, 1500.08}}},
+        {10.0, {3, {0.0, 11.0, 12.0}, {1500.0, 1500.0, 1502.0}}},
+        {0.6, {3, {0.0, 9.0, 12.0}, {1500.0, 1500.0, 1499.0}}},
+    };
+    enum { PINGS = 4 };
+    (void)state;
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        ping_rig r = bent_rig(0.0, 4096u);
+        r.pose.position_m.z = cases[k].depth_m;
+        r.env.sound_speed_profile = cases[k].water;
+        asdic_ping *truth = NULL;
+        double most = 0.0, most_db = 0.0;
+        for (uint64_t i = 0; i < PINGS; i++) {
+            asdic_ping *ping = rig_shoot(&r, ASDIC_LEARN_BLOCK * i, true);
+            truth = truth ? truth : expected(&r, ping);
+            for (size_t n = ping->bins / 4; n < ping->bins; n++) {
+                double off = fabs(asdic_level_db(ping->intensity_lin[ASDIC_TOTAL][n] /
+                                                 truth->intensity_lin[ASDIC_TOTAL][n]));
+                most_db = fmax(most_db, off);
+                most = fmax(most, off / ping->stderr_db[n]);
+            }
+            asdic_ping_destroy(&ping);
+        }
+        print_message("at %4.1f m: %.2f dB off at most, %.1f stated errors\n", cases[k].depth_m,
+                      most_db, most);
+        assert_true(most_db < 1.5 && most < 12.0);
+        asdic_ping_destroy(&truth);
+        rig_destroy(&r);
+    }
+}
+
 static void stated_errors_are_honest(void **state) {
     enum { BLOCKS = 12, PINGS = 4 };
     (void)state;
@@ -730,6 +769,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test(pings_meet_quadrature),
         cmocka_unit_test(high_and_low_sonars_meet_quadrature),
         cmocka_unit_test(reaches_end_as_loud_as_expected),
+        cmocka_unit_test(layers_end_reaches_as_loud_as_expected),
         cmocka_unit_test(stated_errors_are_honest),
         cmocka_unit_test(no_gradient_is_straight),
         cmocka_unit_test(large_triangles_are_a_plane),

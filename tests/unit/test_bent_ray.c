@@ -153,11 +153,71 @@ static void rays_are_those_of_an_integrator(void **state) {
     print_message("places within %.2g m, widths within %.2g\n", worst_m, worst_width);
 }
 
+/* ---- What rays are laid out for ---- */
+
+/* The plane that the end of the water of ENV at 12 m, or the surface, looks like from DEPTH_M. */
+static asdic_bent_plane seen(const asdic_environment *env, double depth_m, bool below,
+                             double reach_m) {
+    const asdic_flat_scene flat = {
+        .has_surface = true, .has_bottom = true, .depth_m = depth_m, .altitude_m = 12.0 - depth_m};
+    asdic_layers layers;
+    asdic_layers_between(env, &flat, &layers);
+    return asdic_bent_plane_through(&layers, depth_m, below, reach_m);
+}
+
+/* Of one layer it is the plane itself. Through others it turns back what they do, and what comes to it at the end of its
+ * reach comes to the end of the water there, as the integrator has it. */
+static void layers_look_like_a_plane(void **state) {
+    static const struct {
+        double depth[4], speed[4], from_m, reach_m, fastest;
+        bool below;
+    } cases[] = {
+        {{0, 11.3, 12, 13}, {1500, 1500, 1500.7, 1502}, 11.2, 75.0, 1500.7, true},
+        {{0, 11.3, 12, 13}, {1500, 1500, 1500.7, 1502}, 11.2, 30.0, 1500.7, true},
+        {{0, 9, 10, 12}, {1500, 1500, 1508, 1501}, 5.0, 100.0, 1508.0, true},
+        {{0, 9, 10, 12}, {1500, 1500, 1490, 1489}, 5.0, 100.0, 1500.0, true},
+        {{0, 2, 4, 12}, {1500, 1500, 1480, 1478}, 7.0, 60.0, 1500.0, false},
+        {{0, 9, 10, 12}, {1500, 1500, 1490, 1489}, 0.6, 75.0, 1500.0, false},
+    };
+    (void)state;
+    asdic_environment one = asdic_environment_default();
+    one.sound_speed_mps = 1490.0;
+    one.sound_speed_gradient_per_s = 0.5;
+    asdic_bent_plane bottom = seen(&one, 7.0, true, 200.0);
+    assert_close(bottom.height_m, 5.0, 1e-6);
+    assert_close(bottom.bend_per_m, 0.5 / 1493.5, 1e-10);
+    bottom = seen(&one, 7.0, true, 40.0);
+    assert_close(bottom.height_m, 5.0, 1e-5);
+    one.sound_speed_gradient_per_s = -0.5;
+    bottom = seen(&one, 7.0, false, 250.0);
+    assert_close(bottom.height_m, 7.0, 1e-6);
+    assert_close(bottom.bend_per_m, 0.5 / 1486.5, 1e-10);
+    assert_true(seen(&one, 7.0, true, 300.0).bend_per_m < 0.0);
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        asdic_environment env = cast(4, cases[k].depth, cases[k].speed);
+        asdic_bent_plane p = seen(&env, cases[k].from_m, cases[k].below, cases[k].reach_m);
+        double speed = asdic_environment_sound_speed_mps(&env, cases[k].from_m);
+        double turn = 1.0 + p.bend_per_m * p.height_m, side = cases[k].below ? 1.0 : -1.0;
+        assert_close(turn * speed, cases[k].fastest, 1e-9);
+        /* Of the steepest that turn, and as kernels/ray_bent.h has a ray that meets a plane at a range. */
+        double graze = sqrt(1.0 - 1.0 / (turn * turn)), sine = graze + 1e-7, b = p.bend_per_m;
+        double x = (sine - sqrt(sine * sine - graze * graze)) / (1.0 + 1.0 / turn);
+        double end_m = b > 0.0 ? fmin(2.0 * atanh(x) / b, cases[k].reach_m) : cases[k].reach_m;
+        sine = b > 0.0 ? (1.0 - 1.0 / turn) / sinh(b * end_m) + tanh(0.5 * b * end_m)
+                       : p.height_m / end_m;
+        traced at = trace(&env, cases[k].from_m, side * asin(sine), end_m / speed);
+        print_message("case %zu: %.3f m away, %.3g 1/m; a ray is %.2g m off at %.1f m\n", k,
+                      p.height_m, p.bend_per_m, fabs(at.z - (cases[k].below ? 12.0 : 0.0)), end_m);
+        assert_close(at.z, cases[k].below ? 12.0 : 0.0, 1e-4);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(levels_go_over_into_those_of_straight_rays),
         cmocka_unit_test(one_speed_gives_the_same_bytes),
         cmocka_unit_test(rays_are_those_of_an_integrator),
+        cmocka_unit_test(layers_look_like_a_plane),
     };
     return cmocka_run_group_tests(tests, context_begin, context_end);
 }

@@ -362,11 +362,12 @@ static void elevations_have_their_densities(void **state) {
     enum { STEPS = 20000 };
     (void)state;
     for (size_t i = 0; i < GRADIENTS; i++) {
-        ray_medium water = water_of(gradients[i], 12.0);
+        float bend = (float)ray_bend(12.0, water_of(gradients[i], 12.0));
         dev_ping ping = {.origin = {0.0f, 0.0f, 12.0f},
-                         .bend_per_m = (float)water.bend,
                          .sampling.zones = {.bottom_m = 20.0f,
                                             .surface_m = 12.0f,
+                                            .bottom_bend_per_m = bend,
+                                            .surface_bend_per_m = -bend,
                                             .bottom_far_m = 70.0f,
                                             .surface_far_m = 60.0f,
                                             .cap_rad = 0.1745f,
