@@ -67,13 +67,25 @@ static listener listener_of(__global const dev_coherent *c, uint element, uint b
     return l;
 }
 
-/* Adds ECHO, X behind sample NEAREST, to sample N of those FROM on and short of TO. */
-static void add_tap(const listener *l, real x, int nearest, phasor echo, int n, int from, int to,
-                    own_sums *sums) {
-    if (n >= from && n < to) {
-        real s = pulse_at(x - (real)((float)(n - nearest) * l->step), R(1.0));
-        sums->re[n] = r_fma(s, echo.re, sums->re[n]);
-        sums->im[n] = r_fma(s, echo.im, sums->im[n]);
+/* An echo as elements hear it, X behind sample NEAREST, and the samples that it reaches: FROM on and short of TO. */
+typedef struct arrival {
+    phasor echo;
+    real x;
+    float rise;
+    int nearest, from, to;
+} arrival;
+
+/* Adds an echo to sample N. */
+static void add_tap(const listener *l, const arrival *a, int n, own_sums *sums) {
+    if (n >= a->from && n < a->to) {
+        real x = a->x - (real)((float)(n - a->nearest) * l->step), s = pulse_at(x, R(1.0));
+        sums->re[n] = r_fma(s, a->echo.re, sums->re[n]);
+        sums->im[n] = r_fma(s, a->echo.im, sums->im[n]);
+        if (a->rise != 0.0f) {
+            real slope = (real)(a->rise) * pulse_slope(x);
+            sums->re[n] = r_fma(-slope, a->echo.im, sums->re[n]);
+            sums->im[n] = r_fma(slope, a->echo.re, sums->im[n]);
+        }
     }
 }
 
@@ -99,21 +111,21 @@ static void add_echo(const listener *l, __global const dev_echo *echo, own_sums 
     real re = size * (turn.re * echo->re - turn.im * echo->im);
     real im = size * (turn.re * echo->im + turn.im * echo->re);
     real x = (R(0.5) * longer + rest) * (real)(l->pulses_per_m);
-    phasor turned = {re, im};
+    arrival a = {{re, im}, x, echo->rise, nearest, from, to};
 #if ASDIC_WIDTH == 1
     /* No loop: llvmpipe leaves all loops of a work-item, that over echoes too, after 65,535 rounds. */
 #define FOUR_TAPS(n)                                                                               \
-    add_tap(l, x, nearest, turned, n, from, to, sums);                                             \
-    add_tap(l, x, nearest, turned, (n) + 1, from, to, sums);                                       \
-    add_tap(l, x, nearest, turned, (n) + 2, from, to, sums);                                       \
-    add_tap(l, x, nearest, turned, (n) + 3, from, to, sums);
+    add_tap(l, &a, n, sums);                                                                       \
+    add_tap(l, &a, (n) + 1, sums);                                                                 \
+    add_tap(l, &a, (n) + 2, sums);                                                                 \
+    add_tap(l, &a, (n) + 3, sums);
     FOUR_TAPS(0)
     FOUR_TAPS(4)
     FOUR_TAPS(8)
     FOUR_TAPS(12)
 #else
     for (int n = from; n < to; n++) {
-        add_tap(l, x, nearest, turned, n, from, to, sums);
+        add_tap(l, &a, n, sums);
     }
 #endif
 }

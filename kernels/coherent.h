@@ -11,6 +11,13 @@
  * range of a sample, c / 2 times its time (D. C. Brown, S. F. Johnson, D. R. Olson, "A point-based
  * scattering model for the incoherent component of the scattered field", J. Acoust. Soc. Am. 141, EL210
  * (2017)). Phases are counted in turns.
+ *
+ * What smooth pieces send goes with the frequency, as areas do: physical optics has f / c of an area. To first order
+ * a (1 + g (f - f0) / f0), over the pulse's band
+ *
+ *     s(x) + i g lambda / (4 pi) s'(x),  x = (t + r_e) / 2 - r,
+ *
+ * as f - f0 is -i c / (4 pi) times the derivative by r; g = 1 of an area whose phase is even.
  */
 #ifndef ASDIC_KERNEL_COHERENT_H
 #define ASDIC_KERNEL_COHERENT_H
@@ -60,7 +67,8 @@ typedef struct dev_echo {
     float way_m;      /* half the way transmitter, point, centre */
     float re, im;     /* pressure at the centre, a source of 1 uPa at 1 m */
     float tilt, bend; /* at an element y along the line it is 1 + tilt y + bend y^2 of that */
-} dev_echo;           /* 28 bytes */
+    float rise;       /* its pulse is s + i rise s', by lengths of the pulse */
+} dev_echo;           /* 32 bytes */
 
 typedef struct dev_coherent {
     float low[3];                       /* what single precision leaves of dev_ping.origin */
@@ -195,16 +203,27 @@ FORMULA real element_longer(real y, real along, real range) {
     return square / r_max(there + range, R(1e-6));
 }
 
+/* How far on an edge of the pulse X, in its lengths, is: 0 outside of it, 1 in its middle half. */
+FORMULA real pulse_edge(real x) {
+    return r_max(r_min(R(1.5) - R(2.0) * r_abs(x), R(1.0)), R(0.0));
+}
+
 /* The pulse after compression: an amplitude of 1 over its middle half, and edges of half its LENGTH each,
  * that reach a quarter beyond. Squares of two edges that overlap add up to 1, so that the integral of
  * s^2 is LENGTH and samples LENGTH apart take the whole of every echo: within 0.4 % wherever the echo is, and
  * 0.02 % on average, besides what beams lose between their samples. Of the polynomials of order 4 with level ends
  * this does it best. */
 FORMULA real pulse_at(real x, real per_length) {
-    real u = R(1.5) - R(2.0) * r_abs(x) * per_length;
-    u = r_max(r_min(u, R(1.0)), R(0.0));
+    real u = pulse_edge(x * per_length);
     real s = R(6.33333333) + u * (R(-8.66666667) + u * R(3.33333333));
     return u * u * s;
+}
+
+/* Its derivative by X, which is in its lengths. */
+FORMULA real pulse_slope(real x) {
+    real u = pulse_edge(x);
+    real s = R(12.66666667) + u * (R(-26.0) + u * R(13.33333333));
+    return choose(x < R(0.0), R(2.0), R(-2.0)) * u * s;
 }
 
 /* Half of what the pulse reaches over, in lengths. */

@@ -366,12 +366,18 @@ static phasor piece_size_from(const found *f, triple out, triple back, real rang
     return piece_size(f, mean_of_legs(out, u), length, wavelength_m);
 }
 
-/* How a smooth piece is met: its pressure re a point of 1 m2, and how that goes on at elements along the line, as tilt and bend
- * of dev_echo say. */
+/* How a smooth piece is met: its pressure re a point of 1 m2, and how that goes on at elements along the line and over the band,
+ * as tilt, bend and rise of dev_echo say. */
 typedef struct smooth_view {
     phasor form;
-    real tilt, bend;
+    real tilt, bend, rise;
 } smooth_view;
+
+/* What of SIZE turns with MIDDLE is more than that, re it. */
+static real more_than(phasor middle, phasor size) {
+    real square = middle.re * middle.re + middle.im * middle.im;
+    return (size.re * middle.re + size.im * middle.im) / square - R(1.0);
+}
 
 /* Roughness takes exp(-g cos^2 i) of its energy. */
 static smooth_view view_smooth(const world *w, __global const dev_coherent *c, const found *f,
@@ -381,12 +387,16 @@ static smooth_view view_smooth(const world *w, __global const dev_coherent *c, c
     real wavelength_m = (real)(w->ping->wavelength_m);
     triple line = {(real)(c->rows[3]), (real)(c->rows[4]), (real)(c->rows[5])};
     line = met_along(line, f->back);
-    phasor middle = piece_size(f, mean_of_legs(out, back), range, wavelength_m);
+    triple mean = mean_of_legs(out, back);
+    phasor middle = piece_size(f, mean, range, wavelength_m);
+    /* Of a frequency a fiftieth higher, re the same area. */
+    const real higher = R(1.02);
+    phasor above = piece_size(f, mean, range, wavelength_m / higher);
+    above.re *= higher;
+    above.im *= higher;
     phasor port = piece_size_from(f, out, back, range, line, -half_m, wavelength_m);
     phasor starboard = piece_size_from(f, out, back, range, line, half_m, wavelength_m);
-    real square = middle.re * middle.re + middle.im * middle.im;
-    real to_port = (port.re * middle.re + port.im * middle.im) / square - R(1.0);
-    real to_starboard = (starboard.re * middle.re + starboard.im * middle.im) / square - R(1.0);
+    real to_port = more_than(middle, port), to_starboard = more_than(middle, starboard);
     real amplitude = r_abs(f->share) * range / wavelength_m * sqrt(laws->reflection2) *
                      exp(R(-0.5) * laws->roughness_g * met.sine * met.sine);
     smooth_view v;
@@ -394,6 +404,8 @@ static smooth_view view_smooth(const world *w, __global const dev_coherent *c, c
     v.form.im = amplitude * middle.im;
     v.tilt = R(0.5) * (to_starboard - to_port) / half_m;
     v.bend = R(0.5) * (to_starboard + to_port) / (half_m * half_m);
+    v.rise = more_than(middle, above) / (higher - R(1.0)) * wavelength_m /
+             (R(4.0) * R_PI * (real)(c->pulse_m));
     return v;
 }
 
@@ -501,7 +513,7 @@ __kernel void coherent_shade(__global const dev_ping *ping, __global const dev_c
     real tube = (real)(c->water_lin) * f.share * straight.range.high * straight.range.high;
     energy = choose(f.kind == DEV_KIND_WATER, tube, energy);
     met.sine = R(0.5) * (met_out.sine + met.sine);
-    smooth_view mirror = {{R(0.0), R(0.0)}, R(0.0), R(0.0)};
+    smooth_view mirror = {{R(0.0), R(0.0)}, R(0.0), R(0.0), R(0.0)};
     if (any_true(f.smooth)) {
         mirror = view_smooth(&w, c, &f, &laws, met, out, back, range);
     }
@@ -554,6 +566,7 @@ __kernel void coherent_shade(__global const dev_ping *ping, __global const dev_c
                                            AT(chance.im, float) * AT(way.re, float));
             e.tilt = AT(f.smooth, int) != 0 ? AT(mirror.tilt, float) : 0.0f;
             e.bend = AT(f.smooth, int) != 0 ? AT(mirror.bend, float) : 0.0f;
+            e.rise = AT(f.smooth, int) != 0 ? AT(mirror.rise, float) : 0.0f;
             echoes[at] = e;
             gates[at] = AT(heard, int) != 0 ? min(AT(gate, uint), c->gates - 1u) : NO_GATE;
         }

@@ -114,11 +114,13 @@ static double *sum_elements(const dev_coherent *c, const dev_echo *echoes, size_
                    first = (way - reach) / c->sample_m - 0.5;
             for (size_t n = (size_t)fmax(ceil(first), (double)begin);
                  n < samples && (n + 0.5) * c->sample_m <= way + reach; n++) {
-                double s = (1.0 + (echoes[i].tilt + echoes[i].bend * y) * y) *
-                           pulse_at(way - (n + 0.5) * (double)c->sample_m, 1.0 / c->pulse_m);
+                double size = 1.0 + (echoes[i].tilt + echoes[i].bend * y) * y;
+                double x = (way - (n + 0.5) * (double)c->sample_m) / c->pulse_m;
+                phasor s = {size * pulse_at(x, 1.0), size * echoes[i].rise * pulse_slope(x)};
+                phasor echo = phasor_times(turn, (phasor){echoes[i].re, echoes[i].im});
                 double *to = p + 2 * (e * samples + n);
-                to[0] += s * (turn.re * echoes[i].re - turn.im * echoes[i].im);
-                to[1] += s * (turn.re * echoes[i].im + turn.im * echoes[i].re);
+                to[0] += phasor_times(echo, s).re;
+                to[1] += phasor_times(echo, s).im;
             }
         }
     }
@@ -130,6 +132,12 @@ static void elements_agree_with_double(void **state) {
     ping_rig r = array_rig(&t);
     r.env.particle_strength_db = -50.0;
     r.sonar.array.elements = 21; /* no whole number of vectors */
+    asdic_mesh *plate = NULL;
+    const asdic_pose pose = {.position_m = {6.0, 1.0, 7.0}};
+    assert_ok(t.ctx, asdic_mesh_plate(t.ctx, 0.3, 0.3, &plate));
+    assert_ok(t.ctx, asdic_scene_add_object(r.scene, "plate", plate, pose,
+                                            asdic_material_facet(1.7, 0.0, 0.0)));
+    asdic_mesh_destroy(&plate);
     asdic_simulator *sim = rig_simulator(&r);
     asdic_ping *ping = array_shoot(&r, sim, 0);
     dev_echo *echoes = NULL;
