@@ -32,6 +32,7 @@
 #pragma OPENCL FP_CONTRACT OFF
 
 #include "fused.h"
+#include "lanes.h"
 #include "types.h"
 
 #define TRACE_TOLERANCE 1e-4f
@@ -116,65 +117,6 @@ static inline float ray_skin(float x, float y, float z, float extent_m) {
         lanes slack = TRACE_TOLERANCE * fabs(*under);                                              \
         return ((*over > 0.0f) & (low > -slack)) | ((*over < 0.0f) & (high < slack));              \
     }
-
-/* Only in PoCL: Oclgrind's compiler knows them, Oclgrind itself does not. */
-#if defined(POCL_DEVICE_ADDRESS_BITS) && defined(__has_builtin)
-#if __has_builtin(__builtin_reduce_or)
-#define TRACE_REDUCE
-#endif
-#if defined(__AVX512DQ__) && defined(__AVX512VL__) && __has_builtin(__builtin_ia32_cvtd2mask512)
-#define TRACE_MASKS
-#endif
-#endif
-
-/* Lanes of a comparison as bits. One instruction where lanes have mask registers, else folded through
- * bytes: there is no movemask. */
-#ifdef TRACE_MASKS
-static inline uint bits4(int4 m) {
-    return (uint)__builtin_ia32_cvtd2mask128(m) & 0xf;
-}
-
-static inline uint bits8(int8 m) {
-    return (uint)__builtin_ia32_cvtd2mask256(m) & 0xff;
-}
-
-static inline uint bits16(int16 m) {
-    return (uint)__builtin_ia32_cvtd2mask512(m) & 0xffff;
-}
-#else
-static inline uint bits4(int4 m) {
-    return ((as_uint(convert_char4(m)) & 0x08040201u) * 0x01010101u) >> 24;
-}
-
-static inline uint bits8(int8 m) {
-    return (uint)(((as_ulong(convert_char8(m)) & 0x8040201008040201ul) * 0x0101010101010101ul) >>
-                  56);
-}
-
-static inline uint bits16(int16 m) {
-    return bits8(m.lo) | bits8(m.hi) << 8;
-}
-#endif
-
-/* any() on wide vectors is slow in PoCL. */
-#ifdef TRACE_REDUCE
-static inline bool any4(int4 m) {
-    return __builtin_reduce_or(m) != 0;
-}
-
-static inline bool any16(int16 m) {
-    return __builtin_reduce_or(m) != 0;
-}
-#else
-static inline bool any4(int4 m) {
-    return as_uint(convert_char4(m)) != 0;
-}
-
-static inline bool any16(int16 m) {
-    ulong2 folded = as_ulong2(convert_char16(m));
-    return (folded.x | folded.y) != 0;
-}
-#endif
 
 static inline uint lowest_bit(uint bits) {
     return 31 - clz(bits & -bits);

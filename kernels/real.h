@@ -10,6 +10,7 @@
 #define ASDIC_KERNEL_REAL_H
 
 #include "fused.h"
+#include "lanes.h"
 
 #define R_PI R(3.14159265358979323846) /* R stands below, for either side */
 
@@ -47,7 +48,7 @@ typedef mask whole;
 #define as_natural ASDIC_JOIN(as_uint, ASDIC_WIDTH)
 #define to_real ASDIC_JOIN(convert_float, ASDIC_WIDTH)
 #define to_natural ASDIC_JOIN(convert_uint, ASDIC_WIDTH)
-#define any_true(m) any(m)
+#define any_true ASDIC_JOIN(some, ASDIC_WIDTH)
 #endif
 
 /* What a kernel does for a vector of rays, as a function of its own: PoCL makes three copies of a kernel's body,

@@ -47,7 +47,7 @@ static inline bool share_origin(const rays16 *r, uint groups) {
         other |= (r[g].ox != r[0].ox.s0) | (r[g].oy != r[0].oy.s0) | (r[g].oz != r[0].oz.s0);
         other |= !(r[g].t_max > 0.0f) | !(fabs(sum) < INFINITY);
     }
-    return !any16(other) && fabs(r[0].ox.s0 + r[0].oy.s0 + r[0].oz.s0) < INFINITY;
+    return !some16(other) && fabs(r[0].ox.s0 + r[0].oy.s0 + r[0].oz.s0) < INFINITY;
 }
 
 /* All directions have the signs of the first one. */
@@ -58,7 +58,7 @@ static inline bool share_octant(const rays16 *r, uint groups) {
         other |= (r[g].dy < 0.0f) ^ (int16)(r[0].dy.s0 < 0.0f ? -1 : 0);
         other |= (r[g].dz < 0.0f) ^ (int16)(r[0].dz.s0 < 0.0f ? -1 : 0);
     }
-    return !any16(other);
+    return !some16(other);
 }
 
 /* All directions have the dominant axis KZ. */
@@ -70,7 +70,7 @@ static inline bool share_axis(const rays16 *r, uint groups, uint kz) {
                  : kz == 1 ? ~((ay > ax) & (ay >= az))
                            : ~((az > ax) & (az > ay));
     }
-    return !any16(other);
+    return !some16(other);
 }
 
 static inline void bound_prepare(float o, float d, float skin, uint row, bound *a) {

@@ -193,10 +193,10 @@ static inline uint hit_leaf(__global const dev_block4 *block, uint groups, frust
     outline4 outline = outline_of(&seen, ahead->least);
     if (f->widest > 0.0f) {
         float4 area = outline.plain ? outline.area : (float4)(INFINITY);
-        if (!any4(area > f->widest)) {
+        if (!some4(area > f->widest)) {
             return ~0u;
         }
-        f->picky = !any4(area > f->widest * FRUSTUM_WIDE_64);
+        f->picky = !some4(area > f->widest * FRUSTUM_WIDE_64);
         f->widest = 0.0f;
     }
     float4 nearest, farthest;

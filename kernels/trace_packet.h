@@ -76,7 +76,7 @@ static inline void packet16_prepare(rays16 r, float extent_m, packet16 *p) {
     p->kz1 = p->kz.s0;
     p->kx1 = p->kz1 == 2 ? 0 : p->kz1 + 1;
     p->ky1 = p->kx1 == 2 ? 0 : p->kx1 + 1;
-    p->one_axis = !any16(p->kz != (int)p->kz1);
+    p->one_axis = !some16(p->kz != (int)p->kz1);
     p->sz = choose3(p->kz, p->x.inverse, p->y.inverse, p->z.inverse);
     p->sx = choose3(p->kz, r.dy, r.dz, r.dx) * p->sz;
     p->sy = choose3(p->kz, r.dz, r.dx, r.dy) * p->sz;
@@ -153,7 +153,7 @@ static inline void hit_triangle16(__global const float *v, uint id, packet16 *p)
     corner16(v + 24, p, &cx, &cy, &cz);
     int16 met = intersect16(ax, ay, az, bx, by, bz, cx, cy, cz, p->sx, p->sy, p->sz, &over, &under);
     float16 t = over / under;
-    if (!any16(met)) {
+    if (!some16(met)) {
         return;
     }
     float16 in = (float16)(0.0f), out = (float16)(INFINITY);

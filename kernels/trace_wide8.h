@@ -88,7 +88,7 @@ static inline void hit_block(__global const dev_block4 *block, const ray8 *r, de
                           v[3 + ky] - r->oy, v[3 + kz] - r->oz, v[6 + kx] - r->ox,
                           v[6 + ky] - r->oy, v[6 + kz] - r->oz, (float4)(r->sx), (float4)(r->sy),
                           (float4)(r->sz), &over, &under);
-    if (!any4(met)) {
+    if (!some4(met)) {
         return;
     }
     float4 t = over / under;

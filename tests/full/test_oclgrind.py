@@ -99,7 +99,7 @@ LANE_BY_LANE = (
     joined("a.s01", "b.s01", "a.s45", "b.s45", "a.s89", "b.s89", "a.scd", "b.scd"),
     joined("a.s23", "b.s23", "a.s67", "b.s67", "a.sab", "b.sab", "a.sef", "b.sef"),
     *(joined(*(f"{name}.s{four}" for name in "abcd")) for four in ("0123", "4567", "89ab", "cdef")),
-    ("intersect.h", "bits8(m.lo) | bits8(m.hi) << 8", "bits8(m.lo) | bits8(((int8 *)&m)[1]) << 8"),
+    ("lanes.h", "bits8(m.lo) | bits8(m.hi) << 8", "bits8(m.lo) | bits8(((int8 *)&m)[1]) << 8"),
     ("trace_lanes.h", "LESSER(v.lo, v.hi)", "LESSER(v.lo, ((float8 *)&v)[1])"),
     ("trace_lanes.h", "out.c[i] = (float16)(a.even, b.even);",
      EACH.format("out.c[i]", "k", "a", "2 * k") + EACH.format("out.c[i]", "8 + k", "b", "2 * k")),
