@@ -63,6 +63,9 @@ def kind(schema):
         return "a map"
     if of == "array":
         item = schema["items"]
+        if isinstance(item, list):  # a number of each
+            limits = (f"[{one['minimum']:g}, {one['maximum']:g}]" for one in item)
+            return f"a list of {len(item)} numbers in {' and '.join(limits)}"
         least, most = schema.get("minItems"), schema.get("maxItems")
         count = f"{least} " if least == most and least else ""
         if item.get("type") == "array":
@@ -86,7 +89,7 @@ def maps(schema):
     """The maps that SCHEMA allows, each with the suffix that its key's name gets."""
     if schema.get("type") == "object":
         yield "", schema
-    elif schema.get("type") == "array":
+    elif schema.get("type") == "array" and isinstance(schema["items"], dict):
         yield from (("[]" + suffix, found) for suffix, found in maps(schema["items"]))
     for choice in schema.get("anyOf", []):
         yield from maps(choice)

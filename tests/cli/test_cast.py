@@ -196,7 +196,7 @@ def test_scenes_are_judged_as_a_whole():
                 ("{sound_speed_profile: [[0, 1490], [5, 1480], [5, 1470]]}", "5 m is not below the 5 m before"),
                 ("{sound_speed_profile: [[0, 1490], [7, 1485], [7.000001, 1480]]}",
                  "7.000001 m is less than 0.001 m below the 7 m before"),
-                ("{sound_speed_profile: [[0, 1490], [5, 1800]]}", "1800 m/s is out of range [1300, 1700] m/s"),
+                ("{sound_speed_profile: [[0, 1490], [5, 1800]]}", "'sound_speed_profile' = 1800 is out of range [1300, 1700] m/s"),
                 ("{sound_speed_profile: [[0, 1490]]}", "1 entries"),
                 ("{sound_speed_profile: gone.csv}", "gone.csv"),
                 ("{sound_speed_mps: 1490, sound_speed_gradient_per_s: -20}", "1300 m/s at a depth of 9.5 m;"),

@@ -78,6 +78,9 @@ def edits():
     yield ("bottom", "type"), "clay", False
     yield ("environment", "particle_density"), -80, True
     yield ("environment", "particle_density"), "moderate", True
+    yield ("environment",), {"sound_speed_profile": [[0, 1300], [11000, 1700]]}, True
+    yield ("environment",), {"sound_speed_profile": [[0, 1500], [9, 5000]]}, False
+    yield ("environment",), {"sound_speed_profile": [[0, 1500], [11001, 1490]]}, False
     yield ("environment",), None, True
     yield ("environment",), [], False
     yield ("objects", 0, "position_m"), [1, 2], False
@@ -129,11 +132,14 @@ def test_manual_page_names_every_key():
         for name, key in part.get("properties", {}).items():
             yield name
             yield from names(key)
-        for inner in [part[of] for of in ("items",) if of in part] + part.get("anyOf", []):
+        items = part.get("items", [])
+        for inner in (items if isinstance(items, list) else [items]) + part.get("anyOf", []):
             yield from names(inner)
     for name in names(schema()):
         tap.contains(text, f"\n.B {name}\n")
     for name, kind in (("environment", "a map"), ("sonar", "a map; required"),
+                       ("sound_speed_profile",
+                        "a file or a list of points, 2 numbers in [0, 11000] and [1300, 1700] m and m/s"),
                        ("name", "a name of at most 63 letters, digits, _ \\- and .")):
         tap.contains(text, f"\n.B {name}\n{kind}\n")
     if shutil.which("groff"):

@@ -265,6 +265,8 @@ static void test_impossible(void **state) {
          "unknown key 'jaw_deg'; did you mean 'yaw_deg'?"},
         {"{key: 'mission.pose.position_m[2]', uniform: [3, 1e8]}",
          "'position_m' = 100000000 is out of range"},
+        {"{key: 'environment.sound_speed_profile[1][1]', uniform: [1400, 1800]}",
+         "'sound_speed_profile' = 1800 is out of range [1300, 1700] m/s"},
         {"{key: bottom.type, choice: [mud, none]}", "'type' = none is not one of mud, sand"},
         {"{key: trial.draws, uniform: [0, 1]}", "a trial cannot draw its own 'trial.draws'"},
         {"{key: mission.pose.yaw_deg, unifrom: [0, 1], choice: [1]}", "did you mean 'uniform'?"},

@@ -499,6 +499,33 @@ static void ranges_are_those_of_the_sonars_depth(void **state) {
     }
 }
 
+/* All that is wrong with a profile is told at once, each value by what it is. */
+static void profiles_are_told_whole(void **state) {
+    (void)state;
+    static const char bottom[] = "bottom: {depth_m: 12}";
+#define PROFILE(points)                                                                            \
+    "environment: {sound_speed_profile: " points "}\n"                                             \
+    "bottom: {depth_m: 12}"
+    expect_edit(
+        bottom, PROFILE("[[0, 1500], [0, 1490], [5, x], [3, 99], [12000, 1500], [7, 1490]]"),
+        "2:48: error: a depth of 0 m is not below the 0 m before; order the points from the "
+        "surface down, each depth once  [environment.sound_speed_profile[1]]\n"
+        "2:63: error: 'sound_speed_profile' = x is not a number; give a number in "
+        "[1300, 1700] m/s  [environment.sound_speed_profile[2][1]]\n"
+        "2:67: error: a depth of 3 m is not below the 5 m before; order the points from the "
+        "surface down, each depth once  [environment.sound_speed_profile[3]]\n"
+        "2:71: error: 'sound_speed_profile' = 99 is out of range [1300, 1700] m/s  "
+        "[environment.sound_speed_profile[3][1]]\n"
+        "2:77: error: 'sound_speed_profile' = 12000 is out of range [0, 11000] m  "
+        "[environment.sound_speed_profile[4][0]]\n");
+    expect_edit(bottom, PROFILE("[[0, 1500], [5], [3, 1490]], sound_speed_mps: 1490"),
+                "2:48: error: 'sound_speed_profile' has 1 entry; it must be a list of 2 numbers in "
+                "m and m/s  [environment.sound_speed_profile[1]]\n"
+                "2:65: error: 'sound_speed_mps' has no effect beside 'sound_speed_profile'; give "
+                "only one of them  [environment]\n");
+#undef PROFILE
+}
+
 #define ARRAY "  array: {elements: 32, beams: {count: 64, sector_deg: 90}}\n"
 #define RECEIVERS "  receivers:\n    - name: forward\n"
 
@@ -739,6 +766,7 @@ int main(void) {
         cmocka_unit_test(names_are_fit_for_files_and_differ),
         cmocka_unit_test(keys_must_fit_together),
         cmocka_unit_test(ranges_are_those_of_the_sonars_depth),
+        cmocka_unit_test(profiles_are_told_whole),
         cmocka_unit_test(arrays_are_checked),
         cmocka_unit_test(coherent_pings_are_checked),
         cmocka_unit_test(elements_need_coherent_pings),

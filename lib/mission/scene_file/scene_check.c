@@ -104,18 +104,24 @@ static void check_names(asdic_list list, size_t size, size_t offset, const char 
 
 static void check_profile(const asdic_scene_file *file, asdic_problems *problems) {
     asdic_yaml_node *node = asdic_yaml_child(file->environment.node, "sound_speed_profile");
-    const asdic_sound_profile profile = asdic_scene_file_environment(file).sound_speed_profile;
-    if (!asdic_scene_node_good(node)) {
+    const asdic_sound_profile given = asdic_scene_file_environment(file).sound_speed_profile;
+    asdic_sound_profile good = {0}; /* the points whose depths are in order */
+    if (!node) {
         return;
     }
     refuse_idle(problems, file->environment.node, "sound_speed_mps",
                 "beside 'sound_speed_profile'; give only one of them");
-    size_t i = 0;
-    for (asdic_yaml_node *item = node->first; item; item = item->next, i++) {
+    for (asdic_yaml_node *item = given.points ? node->first : NULL; item; item = item->next) {
         char why[256];
-        if (asdic_sound_profile_flaw(&profile, i, why, sizeof why)) {
+        if (item->kind != ASDIC_YAML_LIST || item->count != 2 || item->first->bad) {
+            continue;
+        }
+        good.depth_m[good.points] = given.depth_m[item->index];
+        good.sound_speed_mps[good.points] = ASDIC_SOUND_LEAST_MPS; /* its key judges speeds */
+        if (asdic_sound_profile_flaw(&good, good.points, why, sizeof why)) {
             asdic_yaml_problem(problems, item, "%s", why);
-            return;
+        } else {
+            good.points++;
         }
     }
 }

@@ -3,10 +3,15 @@
  */
 #include "scene_keys.h"
 
+#include "sim/environment.h"
+
 /* --- environment ------------------------------------------------------------------------------ */
 
 static const asdic_word particle_words[] = {
     {"low", -90}, {"moderate", -70}, {"high", -50}, {NULL, 0}};
+
+static const asdic_key profile_speed = {"sound_speed_profile", ASDIC_KEY_NUMBER, .unit = "m/s",
+                                        .min = ASDIC_SOUND_LEAST_MPS, .max = ASDIC_SOUND_MOST_MPS};
 
 #define ENV(member) AT(file_environment, member)
 static const asdic_key environment_keys[] = {
@@ -32,8 +37,8 @@ static const asdic_key environment_keys[] = {
      .doc = "change of the sound speed with depth, which bends rays; the speed is then that at the "
             "surface"},
     {"sound_speed_profile", ASDIC_KEY_CURVE, ASDIC_KEY_AT_MOST_ONE, ENV(sound_speed_profile),
-     .file = ASDIC_FILE_CAST, .unit = "m", .min = 0, .max = 11000, .least = 2,
-     .count = ASDIC_PROFILE_POINTS,
+     .file = ASDIC_FILE_CAST, .unit = "m", .min = 0, .max = 11000, .ordinate = &profile_speed,
+     .least = 2, .count = ASDIC_PROFILE_POINTS,
      .doc = "sound speed over depth: a CSV file with depth_m,sound_speed_mps or "
             "depth_m,temperature_degc[,salinity_ppt], or a list of [depth_m, sound_speed_mps]"},
 };

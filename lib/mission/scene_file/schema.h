@@ -62,9 +62,10 @@ typedef struct asdic_key {
     unsigned flags;
     size_t offset; /* of the value in the table's struct */
     const char *unit;
-    double min, max; /* of numbers, inclusive */
-    size_t least;    /* LIST, POINTS: entries at least ... */
-    size_t count;    /* ... and at most; NUMBERS: how many */
+    double min, max;                  /* of numbers, inclusive */
+    const struct asdic_key *ordinate; /* CURVE: unit and limits of the second of a pair */
+    size_t least;                     /* LIST, POINTS: entries at least ... */
+    size_t count;                     /* ... and at most; NUMBERS: how many */
     const asdic_word *words;
     const struct asdic_table *table;
     const struct asdic_table *map_form; /* LIST: what a map in its place means ... */

@@ -65,10 +65,14 @@ static void print_points(const asdic_key *key, size_t width, asdic_text *text) {
                       key->least, key->count);
     asdic_text_format(text,
                       "\"items\": {\"type\": \"array\", \"minItems\": %zu, \"maxItems\": %zu, "
-                      "\"items\": {",
-                      width, width);
+                      "\"items\": %s{",
+                      width, width, key->ordinate ? "[" : "");
     print_range(key, "number", text);
-    asdic_text_add(text, "}}");
+    if (key->ordinate) {
+        asdic_text_add(text, "}, {");
+        print_range(key->ordinate, "number", text);
+    }
+    asdic_text_add(text, key->ordinate ? "}]}" : "}}");
 }
 
 /* What a value of KEY may be; a map's or list's content on lines of its own. */
@@ -156,8 +160,9 @@ static void print_key(const asdic_key *key, asdic_text *text, int indent) {
     asdic_text about = {0};
     asdic_text_add_json(text, key->name);
     asdic_text_add(text, ": {\"description\": ");
-    asdic_text_format(&about, "%s%s%s%s", key->doc, key->unit ? " [" : "",
-                      key->unit ? key->unit : "", key->unit ? "]" : "");
+    asdic_text_format(&about, "%s%s%s%s%s%s", key->doc, key->unit ? " [" : "",
+                      key->unit ? key->unit : "", key->ordinate ? " and " : "",
+                      key->ordinate ? key->ordinate->unit : "", key->unit ? "]" : "");
     asdic_text_add_json(text, about.data ? about.data : "");
     finish_part(text, &about);
     if (key->fallback) {

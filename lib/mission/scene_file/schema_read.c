@@ -401,7 +401,9 @@ static bool enter_list(asdic_key *key, size_t index) {
         key->count = key->type == ASDIC_KEY_POINTS ? 3 : 2;
         key->type = ASDIC_KEY_NUMBERS;
     } else if (key->type == ASDIC_KEY_NUMBERS || key->type == ASDIC_KEY_WORDS) {
-        key->type = key->type == ASDIC_KEY_NUMBERS ? ASDIC_KEY_NUMBER : ASDIC_KEY_WORD;
+        bool is_ordinate = key->ordinate && index == 1;
+        *key = is_ordinate ? *key->ordinate : *key;
+        key->type = key->type == ASDIC_KEY_WORDS ? ASDIC_KEY_WORD : ASDIC_KEY_NUMBER;
         key->count = 0;
     } else {
         is_short = true;

@@ -238,8 +238,10 @@ static void read_bool(const asdic_schema_reader *r, const asdic_key *key, asdic_
 static void read_numbers(const asdic_schema_reader *r, const asdic_key *key, asdic_yaml_node *node,
                          double *out) {
     char wanted[WANTED_SIZE];
-    snprintf(wanted, sizeof wanted, "a list of %zu numbers%s%s", key->count,
-             key->unit ? " in " : "", key->unit ? key->unit : "");
+    const asdic_key *second = key->ordinate ? key->ordinate : key;
+    snprintf(wanted, sizeof wanted, "a list of %zu numbers%s%s%s%s", key->count,
+             key->unit ? " in " : "", key->unit ? key->unit : "", key->ordinate ? " and " : "",
+             key->ordinate ? second->unit : "");
     if (node->kind != ASDIC_YAML_LIST) {
         report_type(r, key, node, wanted);
         return;
@@ -251,7 +253,7 @@ static void read_numbers(const asdic_schema_reader *r, const asdic_key *key, asd
     }
     for (asdic_yaml_node *item = node->first; item; item = item->next) {
         if (!item->bad) {
-            read_number(r, key, item, &out[item->index]);
+            read_number(r, item->index == 1 ? second : key, item, &out[item->index]);
         }
     }
 }
