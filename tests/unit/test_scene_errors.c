@@ -24,6 +24,9 @@ static void unknown_keys_are_answered(void **state) {
     expect_edit("- name: forward", "- {name: forward, gain_db: 3}",
                 "6:23: error: unknown key 'gain_db'; the keys here are name, pitch_deg, yaw_deg, "
                 "roll_deg, length_h_m, length_v_m  [sonar.receivers[0]]\n");
+    expect_edit("{depth_m: 12}", "{mesh: {file: a.ply, rotation_deg: [0, 90, 0]}}",
+                "2:30: error: unknown key 'rotation_deg' here; it belongs beside 'mesh'  "
+                "[bottom.mesh]\n");
     /* A long one is cut between characters, also in the path. */
 #define EIGHT "\u00f6\u00f6\u00f6\u00f6\u00f6\u00f6\u00f6\u00f6"
 #define SHOWN "x" EIGHT EIGHT EIGHT "\u00f6\u00f6\u00f6\u00f6\u00f6\u00f6\u00f6"

@@ -346,7 +346,7 @@ static void draw_all(const drawer *d, asdic_yaml_node *root, const file_trial *t
 void asdic_scene_draw(asdic_yaml_node *root, const file_trial *trial, const asdic_draw *draw,
                       asdic_scene_turn turn, asdic_arena *arena, asdic_problems *problems,
                       asdic_drawn *drawn) {
-    const drawer d = {.reader = {asdic_scene_table(), arena, problems, NULL}, .draw = draw};
+    const drawer d = {.reader = {asdic_scene_table(), arena, problems, NULL, NULL}, .draw = draw};
     if (asdic_scene_node_good(trial->node)) {
         draw_all(&d, root, trial, turn, drawn);
     }
@@ -546,7 +546,7 @@ void asdic_scene_draw_check(const file_trial *trial, asdic_arena *arena, asdic_p
         asdic_yaml_problem(problems, hits, "'hits' = %lld is more than 'of' = %lld pings",
                            (long long)trial->rule.hits, (long long)trial->rule.of);
     }
-    const asdic_schema_reader r = {asdic_scene_table(), arena, problems, NULL};
+    const asdic_schema_reader r = {asdic_scene_table(), arena, problems, NULL, NULL};
     const file_draw *draws = trial->draws.items;
     for (size_t i = 0; i < trial->draws.count; i++) {
         check_key(&draws[i], problems);
@@ -632,7 +632,7 @@ static void check_ends(const asdic_schema_reader *r, const file_draw *draw, cons
 
 void asdic_scene_draw_check_values(const file_trial *trial, asdic_yaml_node *root,
                                    asdic_arena *arena, asdic_problems *problems) {
-    const asdic_schema_reader r = {asdic_scene_table(), arena, problems, NULL};
+    const asdic_schema_reader r = {asdic_scene_table(), arena, problems, NULL, NULL};
     const file_draw *draws = trial->draws.items;
     for (size_t i = 0; i < trial->draws.count; i++) {
         asdic_yaml_node *name = draws[i].key;
@@ -655,7 +655,7 @@ void asdic_scene_draw_check_values(const file_trial *trial, asdic_yaml_node *roo
 void asdic_scene_draw_name_files(const file_trial *trial, asdic_arena *arena,
                                  const asdic_file_taker *files) {
     asdic_problems untold = {0}; /* what lacks keys that are drawn apart names files all the same */
-    const asdic_schema_reader r = {asdic_scene_table(), arena, &untold, files};
+    const asdic_schema_reader r = {asdic_scene_table(), arena, &untold, files, NULL};
     const file_draw *draws = trial->draws.items;
     for (size_t i = 0; i < trial->draws.count; i++) {
         asdic_yaml_node name = *draws[i].key;

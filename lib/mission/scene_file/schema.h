@@ -112,6 +112,7 @@ typedef struct asdic_schema_reader {
     asdic_arena *arena;
     asdic_problems *problems;
     const asdic_file_taker *files; /* NULL: nobody asks */
+    const asdic_table *outer;      /* of the map around the one that is read; NULL: none */
 } asdic_schema_reader;
 
 /* The key NAME of TABLE; NULL: it has none. */

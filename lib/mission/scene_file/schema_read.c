@@ -64,15 +64,19 @@ static const asdic_key *nearest_key(const asdic_table *table, const char *name) 
     return nearest < count ? &table->keys[nearest] : NULL;
 }
 
-/* What to do about a NAME that TABLE does not have: a similar key, else the only other map that has it, else all keys
- * of this map. To be finished. */
-static asdic_text propose_key(const asdic_table *root, const asdic_table *table, const char *name) {
+/* What to do about a NAME that TABLE does not have: a similar key, else the only other map that has it, else the map
+ * around MAP (NULL: none), else all keys of this map. To be finished. */
+static asdic_text propose_key(const asdic_schema_reader *r, const asdic_table *table,
+                              const asdic_yaml_node *map, const char *name) {
     asdic_text home = {0}, text = {0};
     const asdic_key *nearest = nearest_key(table, name);
     if (nearest) {
         asdic_text_format(&text, "; did you mean '%s'?", nearest->name);
-    } else if (find_homes(root, name, "", &home) == 1) {
+    } else if (find_homes(r->root, name, "", &home) == 1) {
         asdic_text_format(&text, " here; it belongs in %s", home.data ? home.data : "another map");
+    } else if (map && r->outer && asdic_schema_key(r->outer, name)) {
+        const char *key = map->key ? map->key : map->parent->key; /* an entry's: its list's */
+        asdic_text_format(&text, " here; it belongs beside '%s'", key);
     } else {
         for (size_t i = 0; i < table->key_count; i++) {
             asdic_text_format(&text, "%s%s", i ? ", " : "; the keys here are ",
@@ -85,7 +89,7 @@ static asdic_text propose_key(const asdic_table *root, const asdic_table *table,
 
 static void report_unknown_key(const asdic_schema_reader *r, const asdic_table *table,
                                asdic_yaml_node *node) {
-    asdic_text remedy = propose_key(r->root, table, node->key);
+    asdic_text remedy = propose_key(r, table, node->parent, node->key);
     asdic_yaml_key_problem(r->problems, node, "unknown key '%.*s'%s", asdic_yaml_key_shown(node),
                            node->key, remedy.data ? remedy.data : "");
     asdic_text_finish(&remedy);
@@ -367,13 +371,15 @@ static void read_map(const asdic_schema_reader *r, const asdic_table *table, asd
             report_unknown_key(r, table, child);
         }
     }
+    asdic_schema_reader inner = *r;
+    inner.outer = table;
     for (size_t i = 0; i < table->key_count; i++) {
         const asdic_key *key = &table->keys[i];
         asdic_yaml_node *value = asdic_yaml_child(node, key->name);
         if (!value && is_missing(table, key, node)) {
             report_missing(r, key, node);
         }
-        read_key(r, key, value, out);
+        read_key(&inner, key, value, out);
     }
     if (node) {
         check_alternatives(r, table, node, ASDIC_KEY_ONE_OF, true);
@@ -421,7 +427,7 @@ static bool enter_map(const asdic_schema_reader *r, asdic_key *key, const char *
     if (found) {
         *key = *found;
     } else if (table) {
-        asdic_text remedy = propose_key(r->root, table, name);
+        asdic_text remedy = propose_key(r, table, NULL, name);
         asdic_yaml_problem(r->problems, blame, "unknown key '%.40s'%s", name,
                            remedy.data ? remedy.data : "");
         asdic_text_finish(&remedy);
