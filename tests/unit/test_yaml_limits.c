@@ -56,11 +56,10 @@ static void yaml_of_serialisers_is_refused(void **state) {
                 "2:10: error: anchors (&d) are not accepted; leave it out  [bottom]\n");
     expect_edit("{depth_m: 12}", "&b {depth_m: 12}",
                 "2:9: error: anchors (&b) are not accepted; leave it out  [bottom]\n");
-    expect_edit(
-        "version: 1", "? [version]\n: 1\nversion: 1",
-        "1:1: error: a key is a list or a map, not a word  [scene]\n"
-        "1:3: error: unknown key '?'; the keys here are version, environment, surface, "
-        "bottom, objects, sonar, mission, sampling, model, detector, output, trial  [scene]\n");
+    expect_edit("version: 1", "? [version]\n: 1\nversion: 1",
+                "1:3: error: a key is a list or a map, not a word  [scene]\n");
+    expect_edit("{depth_m: 12}", "{depth_m: 12, <<: {type: sand}}",
+                "2:23: error: merges (<<) are not accepted; write the keys out  [bottom]\n");
 }
 
 static void duplicate_keys_are_refused(void **state) {

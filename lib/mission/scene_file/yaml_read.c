@@ -226,6 +226,14 @@ static bool read_value(yaml_reader *r, asdic_yaml_node *map, const asdic_yaml_no
     return true;
 }
 
+/* Why KEY is none that a scene can have; NULL: it may be one. */
+static const char *key_flaw(const asdic_yaml_node *key) {
+    return key->kind != ASDIC_YAML_SCALAR ? "a key is a list or a map, not a word"
+           : !key->quoted && strcmp(key->text, "<<") == 0
+               ? "merges (<<) are not accepted; write the keys out"
+               : NULL;
+}
+
 /* Children of the list or map PARENT up to its end. */
 static bool read_children(yaml_reader *r, asdic_yaml_node *parent, unsigned depth) {
     for (;;) {
@@ -244,13 +252,15 @@ static bool read_children(yaml_reader *r, asdic_yaml_node *parent, unsigned dept
             stray.line = (unsigned)event.start_mark.line + 1;
             stray.column = (unsigned)event.start_mark.column + 1;
             asdic_yaml_node *key = read_node(r, &event, &stray, NULL, depth);
-            parent->bad |= stray.bad;
-            if (key && key->kind != ASDIC_YAML_SCALAR) {
-                asdic_yaml_problem(r->problems, parent, "a key is a list or a map, not a word");
+            const char *flaw = key ? key_flaw(key) : NULL;
+            if (flaw) {
+                asdic_yaml_problem(r->problems, &stray, "%s", flaw);
                 key->text = "?";
                 key->length = 1;
             }
-            ok = key && read_value(r, parent, key, depth);
+            /* What has no key of a scene stays outside the tree: it is reported already. */
+            ok = key && read_value(r, flaw ? &stray : parent, key, depth);
+            parent->bad |= stray.bad;
         }
         yaml_event_delete(&event);
         if (end || !ok) {
