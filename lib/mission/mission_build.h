@@ -29,6 +29,7 @@ typedef struct mission_builder {
     const asdic_setting *settings; /* in place of what the file says */
     size_t setting_count;
     const asdic_draw *draw;    /* the run of a trial; NULL: the scene itself */
+    bool draws;                /* the trial has something to draw */
     bool many;                 /* as asdic_mission_load_like; with */
     bool tells;                /* what is said once of many runs */
     struct asdic_text *opened; /* files that draws name, and were opened; NULL: they stay closed */

@@ -175,6 +175,7 @@ static asdic_status read_scene(mission_builder *b, asdic_yaml_node **root, file_
     }
     asdic_scene_draw(*root, trial, b->draw, ASDIC_TURN_TRIAL, b->arena, b->problems, drawn);
     TRY(read_trial(b, *root, trial));
+    b->draws = b->draw && trial->draws.count > 0;
     TRY(keep_classes(b, *root, trial));
     asdic_scene_draw(*root, trial, b->draw, ASDIC_TURN_INCLUDES, b->arena, b->problems, drawn);
     TRY(asdic_mission_include(b, *root, &included));
@@ -347,7 +348,7 @@ static asdic_status load_file(asdic_context *ctx, const char *path, const missio
         asdic_mission_destroy(&m);
     }
     *out = m;
-    return status && builder.draw ? name_run(ctx, builder.draw, status) : status;
+    return status && builder.draws ? name_run(ctx, builder.draw, status) : status;
 }
 
 asdic_status asdic_mission_load(asdic_context *ctx, const char *path, asdic_mission **out) {

@@ -115,7 +115,13 @@ static void draws_stand_in_place_of_the_file(void **state) {
     static const asdic_setting wrong[] = {{"sonar.frequency_khz", "-1"}};
     assert_null(load_with(w, wrong, 1, &draw));
     assert_contains(asdic_context_error(w->ctx), ", as drawn for run 3 with seed 7");
+    assert_contains(asdic_context_error(w->ctx), "tails of 'normal' by 'within'");
     assert_null(load_with(w, wrong, 1, NULL));
+    assert_null(strstr(asdic_context_error(w->ctx), "as drawn"));
+    write_file(w, "scene.yaml",
+               "version: 1\n" FLAT SONAR POSE); /* a run of which nothing is drawn */
+    assert_null(load_with(w, wrong, 1, &draw));
+    assert_contains(asdic_context_error(w->ctx), ": 1 error");
     assert_null(strstr(asdic_context_error(w->ctx), "as drawn"));
 }
 
