@@ -5,6 +5,7 @@
 #include "mesh_build.h"
 
 #include "base/try.h"
+#include "base/words.h"
 #include "mesh_scan.h"
 
 #include "../base/context.h"
@@ -176,9 +177,13 @@ static asdic_status read_values(grid *g) {
     }
     for (size_t i = 0; i < count; i++) {
         if (!take_value(g, &g->values[i])) {
-            return asdic_mesh_scan_fail(g->scan, g->line.number,
-                                        "row %zu, column %zu holds no finite number", i / columns,
-                                        i % columns);
+            size_t length = strcspn(g->line.at, " \t\r\n");
+            bool has_comma = memchr(g->line.at, ',', length);
+            return asdic_mesh_scan_fail(g->scan, g->line.number, "row %zu, column %zu %s%.*s%s",
+                                        i / columns, i % columns,
+                                        length ? "is no finite number: " : "is missing",
+                                        (int)asdic_words_cut(g->line.at, length, 40), g->line.at,
+                                        has_comma ? "; decimals stand behind a point" : "");
         }
     }
     asdic_line_skip_blanks(&g->line);
@@ -245,6 +250,12 @@ static asdic_status build(grid *g, bool values_are_depth, asdic_mesh **out) {
     (*out)->is_grid = true;
     (*out)->vertex_count = place_vertices(g, values_are_depth, (*out)->vertices_m);
     (*out)->triangle_count = connect(g, (*out)->indices);
+    if ((*out)->triangle_count == 0) {
+        return asdic_mesh_scan_fail(g->scan, 0,
+                                    "%zu of %zu cells have a value, and no three that meet: there "
+                                    "is no bottom between them",
+                                    (*out)->vertex_count, cells);
+    }
     return asdic_mesh_complete(g->scan->ctx, *out, g->scan->path);
 }
 

@@ -128,6 +128,10 @@ static asdic_status read_stream(asdic_mesh_scan *scan, FILE *file) {
     if (scan->size == 0) {
         return asdic_fail(scan->ctx, ASDIC_ERROR_INPUT, "%s: the file is empty", scan->path);
     }
+    if (strncmp(scan->text, "version https://git-lfs", 23) == 0) {
+        return asdic_mesh_scan_fail(
+            scan, 0, "a pointer of Git LFS in place of the file; 'git lfs pull' fetches it");
+    }
     return ASDIC_OK;
 }
 

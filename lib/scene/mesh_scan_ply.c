@@ -154,29 +154,42 @@ static void keep_values(ply_file *ply, const char *from) {
     }
 }
 
-/* The values of one property; V receives a coordinate. Returns false at the first bad value. */
-static bool walk_property(ply_file *ply, const ply_property *property, double v[3],
-                          long long vertices) {
+/* Says what is wrong with the element that is read, and with which VALUE; NAN: with none. */
+static asdic_status refuse(const ply_file *ply, const char *flaw, double value) {
+    const ply_element *element = ply->element;
+    const char *what = element->vertex ? "vertex" : element->face ? "face" : "element";
+    size_t line = ply->text ? ply->line.number : 0;
+    return isnan(value) ? asdic_mesh_scan_fail(ply->scan, line, "%s %lld of %lld %s", what,
+                                               ply->index, element->count, flaw)
+                        : asdic_mesh_scan_fail(ply->scan, line, "%s %lld of %lld %s: %.9g", what,
+                                               ply->index, element->count, flaw, value);
+}
+
+/* The values of one property; V receives a coordinate. */
+static asdic_status walk_property(ply_file *ply, const ply_property *property, double v[3]) {
+    static const char no_number[] = "is cut short, or holds no finite number of its type";
+    const double vertices = (double)ply->scan->vertices;
     double value, count = 1.0;
     if (!find_value(ply)) {
-        return false;
+        return refuse(ply, no_number, NAN);
     }
     const char *from = ply->text ? ply->line.at : ply->at;
     if (property->count != PLY_NONE && !take_value(ply, property->count, &count)) {
-        return false;
+        return refuse(ply, no_number, NAN);
     }
     uint64_t *hash = &ply->scan->facet_hash;
     if (property->corners) {
         if (count < 3.0) {
-            return false;
+            return refuse(ply, "has fewer than 3 corners", count);
         }
         *hash = asdic_hash_fold(*hash, (uint64_t)count);
     }
     for (double i = 0.0; i < count; i += 1.0) {
-        if (!take_value(ply, property->type, &value) ||
-            (property->corners &&
-             (value < 0.0 || value >= (double)vertices || value != floor(value)))) {
-            return false;
+        if (!take_value(ply, property->type, &value)) {
+            return refuse(ply, no_number, NAN);
+        }
+        if (property->corners && (value < 0.0 || value >= vertices || value != floor(value))) {
+            return refuse(ply, "names a vertex that is not there", value);
         }
         if (property->axis >= 0) {
             v[property->axis] = value;
@@ -188,27 +201,22 @@ static bool walk_property(ply_file *ply, const ply_property *property, double v[
     if (asdic_ply_keeps(property)) {
         keep_values(ply, from);
     }
-    return true;
+    return ASDIC_OK;
 }
 
 static asdic_status walk_element(ply_file *ply, const ply_element *element) {
     size_t capacity = 0;
-    const char *what = element->vertex ? "vertex" : element->face ? "face" : "element";
+    ply->element = element;
     if (element->vertex && ply->scan->vertices > 0) {
         return asdic_mesh_scan_fail(ply->scan, 0, "declares its vertices twice");
     }
     if (element->face && ply->scan->vertices == 0) {
         return asdic_mesh_scan_fail(ply->scan, 0, "has its faces before its vertices");
     }
-    for (long long i = 0; i < element->count; i++) {
+    for (ply->index = 0; ply->index < element->count; ply->index++) {
         double v[3] = {0.0, 0.0, 0.0};
         for (size_t p = 0; p < element->property_count; p++) {
-            if (!walk_property(ply, &element->properties[p], v, (long long)ply->scan->vertices)) {
-                return asdic_mesh_scan_fail(
-                    ply->scan, ply->text ? ply->line.number : 0,
-                    "%s %lld of %lld is cut short, not finite, or names a vertex that is not there",
-                    what, i, element->count);
-            }
+            TRY(walk_property(ply, &element->properties[p], v));
         }
         TRY(element->vertex ? asdic_mesh_scan_add_vertex(ply->scan, v, &capacity) : ASDIC_OK);
         ply->scan->facets += element->face;

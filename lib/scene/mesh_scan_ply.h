@@ -41,9 +41,11 @@ typedef struct ply_file {
     bool text, big_endian;
     ply_element elements[PLY_MAX_ELEMENTS];
     size_t element_count;
-    const char *at;  /* reading position in the body */
-    asdic_line line; /* the same for text */
-    char *to;        /* the end of the text that is kept for OpenMesh, which never overtakes */
+    const ply_element *element; /* that is read ... */
+    long long index;            /* ... and how many of it before */
+    const char *at;             /* reading position in the body */
+    asdic_line line;            /* the same for text */
+    char *to; /* the end of the text that is kept for OpenMesh, which never overtakes */
 } ply_file;
 
 /* Fills PLY, which has its scan and else zeros, as the header says, and finds where the body

@@ -199,7 +199,9 @@ static void refusals(void **state) {
     refuse("431200.00 5984300.00 -12.5\n431202.00 5984300.00 -12.6\n",
            "g.asc:1: no header of an ESRI ASCII grid");
     refuse("CDF\1", "g.asc: netCDF grids");
-    refuse(HEAD "NODATA_value 7\n7 7\n7 7\n", "no facet");
+    refuse(HEAD "NODATA_value 7\n7 7\n7 7\n",
+           "g.asc: 0 of 4 cells have a value, and no three that meet");
+    refuse(HEAD "7 7\n7,5 7\n", ":7: row 1, column 0 is no finite number: 7,5; decimals stand");
 }
 
 static void locale_does_not_matter(void **state) {

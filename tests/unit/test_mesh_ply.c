@@ -55,12 +55,18 @@ static void ply_bodies(void **state) {
     static const struct {
         const char *text, *part;
     } cases[] = {
+        {"version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12345\n",
+         "'git lfs pull' fetches it"},
         {PLY_HEAD("3", "1") "0 0 0\n1 0 0\n0 1 0\n3 0 1\n", ":13: face 0 of 1 is cut short"},
-        {PLY_HEAD("3", "1") "0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", ":13: face 0"},
-        {PLY_HEAD("3", "1") "0 0 0\n1 0 0\n0 1 0\n3 0 1 -1\n", ":13: face 0"},
-        {PLY_HEAD("3", "1") "0 0 0\n1 nan 0\n0 1 0\n3 0 1 2\n", ":11: vertex 1"},
+        {PLY_HEAD("3", "1") "0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n",
+         ":13: face 0 of 1 names a vertex that is not there: 3"},
+        {PLY_HEAD("3", "1") "0 0 0\n1 0 0\n0 1 0\n3 0 1 -1\n",
+         ":13: face 0 of 1 names a vertex that is not there: -1"},
+        {PLY_HEAD("3", "1") "0 0 0\n1 nan 0\n0 1 0\n3 0 1 2\n",
+         ":11: vertex 1 of 3 is cut short, or holds no finite number of its type"},
         {PLY_HEAD("3", "1") "0 0 0\n1 0 inf\n0 1 0\n3 0 1 2\n", ":11: vertex 1"},
-        {PLY_HEAD("3", "1") "0 0 0\n1 0 0\n0 1 0\n2 0 1\n3 0 1 2\n", ":13: face 0"},
+        {PLY_HEAD("3", "1") "0 0 0\n1 0 0\n0 1 0\n2 0 1\n3 0 1 2\n",
+         ":13: face 0 of 1 has fewer than 3 corners: 2"},
         {"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
          "property float z\nproperty list uchar float more\nelement face 1\n"
          "property list uchar int vertex_indices\nend_header\n0 0 0 0\n1 0 0 0\n0 1 0 0\n3 0 1 2\n",
