@@ -100,6 +100,11 @@ def test_names_of_files_exist():
                 tap.equal(any(ROOT.glob(word.rstrip("/"))), True, f"{page.name}: {word} exists")
 
 
+def test_a_commands_row_is_where_it_is_said_to_be():
+    file, = re.findall(r"a row in `(cli/[^`]+)`", prose(ROOT / "docs" / "extend.md"))
+    tap.contains(text_of(ROOT / file), "X(run)")
+
+
 def test_names_of_tests_exist():
     build = pathlib.Path(program.PATH).parents[1]
     done = subprocess.run(["meson", "introspect", "--tests", build], capture_output=True, text=True, check=False)
