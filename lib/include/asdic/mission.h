@@ -405,8 +405,9 @@ ASDIC_API asdic_run_options asdic_run_options_default(void);
  * the same mission and the same pings: process 0 writes, the others return when it is done with
  * them. ASDIC_ERROR_ARGUMENT: the mission has no such pings, or both force and resume are set;
  * ASDIC_ERROR_IO: without force, also where the disk has too little room; ASDIC_ERROR_EXISTS: the
- * folder holds a run, and neither force nor resume was asked for, or a file that the scene reads,
- * of a name that a run writes there; ASDIC_ERROR_INPUT: it cannot be resumed;
+ * folder holds a run, and neither force nor resume was asked for, or one of another scene or
+ * sampling, which cannot be resumed, or a file that the scene reads, of a name that a run writes
+ * there; ASDIC_ERROR_INPUT: what it says of its run is damaged, or a ping is below the bottom;
  * ASDIC_ERROR_INTERRUPTED: what is written is valid. */
 ASDIC_API asdic_status asdic_mission_run(asdic_context *ctx, asdic_mission *mission,
                                          asdic_device **devices, size_t device_count,
