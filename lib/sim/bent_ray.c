@@ -174,10 +174,9 @@ static double fastest_mps(const asdic_layers *layers, double depth_m, double sid
 /* The plane that the ray of SINE meets at RANGE_M, with RATIO of the sound speed there at the sonar: ray_plane_sine as an
  * equation for x = tanh(bend range / 2). */
 static asdic_bent_plane plane_met(double ratio, double sine, double range_m) {
-    double turn2 = (1.0 - ratio) * (1.0 + ratio);
-    double x = (sine - sqrt(fmax(sine * sine - turn2, 0.0))) / (1.0 + ratio);
-    double bend = 2.0 * atanh(x) / range_m;
-    return (asdic_bent_plane){bend != 0.0 ? (1.0 / ratio - 1.0) / bend : range_m * sine, bend};
+    double slower = 1.0 - ratio, turn2 = slower * (1.0 + ratio);
+    double bend = 2.0 * atanh(slower / (sine + sqrt(fmax(sine * sine - turn2, 0.0)))) / range_m;
+    return (asdic_bent_plane){bend != 0.0 ? slower / ratio / bend : range_m * sine, bend};
 }
 
 asdic_bent_plane asdic_bent_plane_through(const asdic_layers *layers, double depth_m, bool below,

@@ -193,6 +193,13 @@ static void layers_look_like_a_plane(void **state) {
     assert_close(bottom.height_m, 7.0, 1e-6);
     assert_close(bottom.bend_per_m, 0.5 / 1486.5, 1e-10);
     assert_true(seen(&one, 7.0, true, 300.0).bend_per_m < 0.0);
+    /* Speeds that rounding makes two are one. */
+    const double down[] = {0.0, 9.0, 10.0, 12.0}, same[] = {1500.0, 1400.0, 1400.0, 1500.0};
+    const double rounded[] = {1500.0, 1400.0, 1400.0, 1500.0 + 1e-12};
+    asdic_environment alike = cast(4, down, same), nearly = cast(4, down, rounded);
+    bottom = seen(&alike, 0.0, true, 20.0);
+    asdic_bent_plane next = seen(&nearly, 0.0, true, 20.0);
+    assert_close(next.height_m, bottom.height_m, 1e-6);
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         asdic_environment env = cast(4, cases[k].depth, cases[k].speed);
         asdic_bent_plane p = seen(&env, cases[k].from_m, cases[k].below, cases[k].reach_m);
