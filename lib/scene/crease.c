@@ -110,19 +110,29 @@ static void reach(const asdic_surface *s, asdic_corners around, uint32_t facet, 
     }
 }
 
-/* Of the COUNT corners KEPT those of faces that keep flat and from which the surface does not go on into FACET: what rounds
+/* Whether PATCH is a wall beside what rounds its edge AROUND a vertex. */
+static bool is_wall(const asdic_surface *s, asdic_corners around, uint32_t patch) {
+    bool wall = false;
+    for (uint32_t i = 0; s->patches[patch].ends && !wall && i < around.count; i++) {
+        wall = asdic_fold_is_straight(s, patch, s->patch[around.at[i] / 3]);
+    }
+    return wall;
+}
+
+/* Of the COUNT corners KEPT, of those AROUND, those of walls from which the surface does not go on into FACET: what rounds
  * their edge begins along them. All, where there are none. */
-static uint32_t keep_faces(const asdic_surface *s, uint32_t facet, uint32_t *kept, uint32_t count) {
-    uint32_t faces = 0;
+static uint32_t keep_walls(const asdic_surface *s, asdic_corners around, uint32_t facet,
+                           uint32_t *kept, uint32_t count) {
+    uint32_t walls = 0;
     for (uint32_t i = 0; i < count; i++) {
         uint32_t from = s->patch[kept[i] / 3];
-        if (s->patches[from].ends && asdic_fold_parts(s, from, s->patch[facet])) {
-            uint32_t other = kept[faces];
-            kept[faces++] = kept[i];
+        if (is_wall(s, around, from) && asdic_fold_parts(s, from, s->patch[facet])) {
+            uint32_t other = kept[walls];
+            kept[walls++] = kept[i];
             kept[i] = other;
         }
     }
-    return faces > 0 ? faces : count;
+    return walls > 0 ? walls : count;
 }
 
 asdic_corners asdic_crease_within(const asdic_surface *s, asdic_corners around, uint32_t facet,
@@ -136,7 +146,7 @@ asdic_corners asdic_crease_within(const asdic_surface *s, asdic_corners around, 
         kept[count] = around.at[i];
         count += ends ? reached[i] : goes_on(s, facet, around.at[i]);
     }
-    return (asdic_corners){kept, ends ? keep_faces(s, facet, kept, count) : count};
+    return (asdic_corners){kept, ends ? keep_walls(s, around, facet, kept, count) : count};
 }
 
 bool asdic_crease_is_even(const asdic_surface *s, asdic_corners around) {

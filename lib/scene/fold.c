@@ -239,9 +239,12 @@ static bool is_tangent(const asdic_surface *s, const across *a, const asdic_fold
                STRAIGHT * a->width * (double)back->beyond;
 }
 
-/* Whether PATCH is straight between what turns at its FOLD, BACK from there, and at its far side, if anything does. */
-static bool is_wall(const asdic_surface *s, uint32_t patch, const asdic_fold *fold,
-                    const asdic_fold *back) {
+/* Whether PATCH is straight between what turns at its FOLD and at its far side, if anything does. */
+static bool is_wall(const asdic_surface *s, uint32_t patch, const asdic_fold *fold) {
+    const asdic_fold *back = find_fold(s, fold->patch, patch);
+    if (!is_edge(fold, back) || !(fold->rate > 0.0f)) {
+        return false;
+    }
     across a = across_of(s, patch, asdic_fold_turn(s, patch, fold->patch));
     bool wall = is_tangent(s, &a, fold, back);
     for (uint32_t j = s->first_fold[patch]; wall && j < s->first_fold[patch + 1]; j++) {
@@ -260,7 +263,7 @@ static bool keeps_flat(const asdic_surface *s, uint32_t patch, const asdic_fold 
     if (!is_edge(fold, back) || !(fold->rate > 0.0f)) {
         return false;
     }
-    if (is_wall(s, patch, fold, back)) {
+    if (fold->straight) {
         return true;
     }
     if (is_amid(fold, back)) {
@@ -292,6 +295,7 @@ static bool find_all(folding *f) {
     s->first_fold[s->count] = (uint32_t)f->count;
     for (uint32_t patch = 0; has_room && patch < s->count; patch++) {
         for (uint32_t i = s->first_fold[patch]; i < s->first_fold[patch + 1]; i++) {
+            s->folds[i].straight = is_wall(s, patch, &s->folds[i]);
             s->folds[i].ends = keeps_flat(s, patch, &s->folds[i]);
             s->patches[patch].ends |= s->folds[i].ends;
         }
@@ -320,6 +324,11 @@ asdic_status asdic_surface_find_folds(asdic_context *ctx, asdic_surface *s) {
     free(f.seen);
     free(f.sights);
     return has_room ? ASDIC_OK : asdic_fail_memory(ctx, "the folds of an object");
+}
+
+bool asdic_fold_is_straight(const asdic_surface *s, uint32_t patch, uint32_t other) {
+    const asdic_fold *fold = find_fold(s, patch, other);
+    return fold && fold->straight;
 }
 
 bool asdic_fold_parts(const asdic_surface *s, uint32_t patch, uint32_t other) {

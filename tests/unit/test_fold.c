@@ -200,6 +200,43 @@ static void a_short_capsule_is_straight_and_round(void **state) {
     }
 }
 
+/* Hills are round, though pairs of their facets lie level by chance: what is beside a pair is no edge of it. */
+static void pairs_on_hills_are_no_walls(void **state) {
+    (void)state;
+    enum { SIDE = 32, COUNT = SIDE * SIDE };
+    const double step_m = 2.0 / (SIDE - 1);
+    double v[3 * COUNT], sum = 0.0;
+    uint32_t f[6 * COUNT], count = 0;
+    for (uint32_t i = 0; i < COUNT; i++) {
+        double x = step_m * (i / SIDE), y = step_m * (i % SIDE);
+        const double at[] = {x, y, 0.03 * sin(3.0 * x) * sin(2.0 * y)};
+        memcpy(v + 3 * (size_t)i, at, sizeof at);
+        if (i / SIDE + 1 < SIDE && i % SIDE + 1 < SIDE) {
+            const uint32_t two[] = {i, i + SIDE, i + SIDE + 1, i, i + SIDE + 1, i + 1};
+            memcpy(f + 3 * (size_t)count, two, sizeof two);
+            count += 2;
+        }
+    }
+    asdic_mesh *mesh;
+    assert_ok(ctx, asdic_mesh_from_triangles(ctx, v, COUNT, f, count, &mesh));
+    asdic_scene *scene = scene_of(mesh, (asdic_pose){0}, asdic_material_facet(45.0, 0.0, 0.0));
+    for (size_t i = 0; i < scene->triangle_count; i++) {
+        const dev_triangle *t = &scene->triangles[i];
+        for (int k = 0; t->corner_normals[0] != DEV_FLAT && k < 3; k++) {
+            float p[3];
+            point_at(t, k == 1 ? 0.9 : 0.05, k == 2 ? 0.9 : 0.05, p);
+            double x = p[0] + scene->origin_m.x, y = p[1] + scene->origin_m.y;
+            asdic_vec3 up = {-0.09 * cos(3.0 * x) * sin(2.0 * y),
+                             -0.06 * sin(3.0 * x) * cos(2.0 * y), 1.0};
+            double off = off_rad(t, p, up);
+            sum += off * off / (3.0 * count);
+        }
+    }
+    print_message("hills: normals off by %.2g rad, rms\n", sqrt(sum));
+    assert_true(sum > 0.0 && sqrt(sum) < 0.002);
+    asdic_scene_destroy(&scene);
+}
+
 /* Half the thickness of NACA 0015 over its chord; Abbott and von Doenhoff 1959, eq. 6.2, its trailing edge closed. */
 static double naca_0015(double x) {
     return 0.75 * (0.2969 * sqrt(x) - x * (0.126 + x * (0.3516 - x * (0.2843 - x * 0.1036))));
@@ -280,6 +317,7 @@ int main(void) {
         cmocka_unit_test(a_chamfered_box_is_flat),
         cmocka_unit_test(a_barrel_with_cones_is_straight),
         cmocka_unit_test(a_short_capsule_is_straight_and_round),
+        cmocka_unit_test(pairs_on_hills_are_no_walls),
         cmocka_unit_test(a_wing_of_few_strips_is_round),
         cmocka_unit_test(a_crease_angle_makes_facets_flat),
     };
