@@ -17,6 +17,8 @@
 #define FAINTER_LIN 0.31622776601683794
 /* Where noise is nearly all there is, shadows look like the rest. */
 #define LEAST_CLUTTER 1e-3
+/* Greatest ln of a ratio that exp can hold, of many looks in a deep shadow. */
+#define MOST_LN 600.0
 
 /* A bin of a direction. */
 typedef struct dusk {
@@ -41,7 +43,8 @@ static double shadow_ratio(const asdic_look *look, asdic_background law, asdic_k
         asdic_background shadow = law;
         shadow.mean_lin = noise_lin + clutter_lin;
         shadow.noise_share = noise_lin / shadow.mean_lin;
-        sum += exp(asdic_k_table_ratio(k_table, &shadow, &law, look->intensity_lin[cell]));
+        double ln = asdic_k_table_ratio(k_table, &shadow, &law, look->intensity_lin[cell]);
+        sum += isnan(ln) ? 1.0 : exp(fmin(ln, MOST_LN)); /* unknown: says nothing */
     }
     return sum / FAINTER;
 }
@@ -91,7 +94,7 @@ static void hide(const asdic_look *look, const asdic_background *law, asdic_k_ta
     enter(look, law, k_table, f->hearings[f->headings[heading].hearing].beam, bins);
     leave(f->bins, bins);
     for (size_t n = 0; n < f->bins; n++) {
-        ratio[n] += bins[n].hidden * (1.0 - ratio[n]);
+        ratio[n] = (1.0 - bins[n].hidden) * ratio[n] + bins[n].hidden; /* as exact for huge ones */
     }
 }
 

@@ -481,6 +481,29 @@ static void shadows_do_not_clear(void **state) {
     }
 }
 
+/* Hundreds of looks make a shadow surer than a number holds, and a bin that was not heard says nothing of those round
+ * it: what is asked stays known. */
+static void shadows_of_any_looks_are_numbers(void **state) {
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        map_rig r;
+        map_begin(&r, 1);
+        r.sonar.bandwidth_hz *= k ? 400.0 : 1.0;
+        for (size_t n = 41; n < MAP_BINS; n++) {
+            r.intensity[n] = 0.01;
+        }
+        r.intensity[40] = 400.0;
+        r.intensity[60] = k ? 0.01 : (double)NAN;
+        for (int look = 0; look < 10; look++) {
+            map_look(&r);
+        }
+        assert_close(map_at(&r, 25.3, 0.1), MAP_PRIOR, 0.5);
+        assert_close(map_at(&r, 40.3, 0.1), MAP_PRIOR, 0.5);
+        assert_true(map_at(&r, 15.3, 0.1) < -8.0);
+        asdic_occupancy_destroy(&r.map);
+    }
+}
+
 /* Fixed in the world, clipped, and no larger than memory. */
 static void maps_have_limits(void **state) {
     (void)state;
@@ -552,6 +575,7 @@ int main(void) {
         cmocka_unit_test(water_that_is_not_heard_says_nothing),
         cmocka_unit_test(maps_do_not_depend_on_the_compass),
         cmocka_unit_test(shadows_do_not_clear),
+        cmocka_unit_test(shadows_of_any_looks_are_numbers),
         cmocka_unit_test(maps_have_limits),
         cmocka_unit_test(looks_have_limits),
     };
