@@ -13,7 +13,7 @@
 void asdic_chart_relief(const asdic_scene *scene, asdic_relief *relief);
 
 /* Outlines of all objects, in the order of the scene: one convex ring for each piece of a mesh whose
- * pieces lie apart, a point for a point. Freed with free(). */
+ * pieces lie apart, several for a piece that bends, a point for a point. Freed with free(). */
 asdic_status asdic_chart_outlines(asdic_context *ctx, const asdic_scene *scene, asdic_outline **out,
                                   size_t *count);
 

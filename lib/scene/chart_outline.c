@@ -190,23 +190,43 @@ static size_t part_pieces(charter *c) {
     return (size_t)count;
 }
 
-static piece *piece_at(const charter *c, const double at[2], piece *pieces) {
-    return &pieces[c->label[cell_of(c, 0, at[0]) * c->cells + cell_of(c, 1, at[1])] - 1];
+static int32_t label_at(const charter *c, const double at[2]) {
+    return c->label[cell_of(c, 0, at[0]) * c->cells + cell_of(c, 1, at[1])];
 }
 
-/* Each corner goes to its piece; a side that leads from one piece to another, to both and to those between. */
+static void reach_piece(const charter *c, const double at[2], piece *pieces) {
+    int32_t number = label_at(c, at);
+    if (number > 0) { /* always, but where rounding left the cells of a triangle */
+        reach_out(c, at[0], at[1], &pieces[number - 1]);
+    }
+}
+
+/* Each corner goes to its piece; a triangle that lies in several, to all, by places half a cell apart. */
 static void reach_all(const charter *c, piece *pieces) {
-    for (size_t i = 0; i < 3 * c->order_count; i++) {
-        double from[2], to[2], steps = 1.0;
-        corner_of(c, c->order[i / 3], (int)(i % 3), from);
-        corner_of(c, c->order[i / 3], (int)((i + 1) % 3), to);
-        double north = to[0] - from[0], east = to[1] - from[1];
-        if (piece_at(c, from, pieces) != piece_at(c, to, pieces)) {
-            steps = ceil(2.0 * fmax(fabs(north), fabs(east)) / c->cell_m);
+    for (size_t i = 0; i < c->order_count; i++) {
+        double corner[3][2], side_m[2][2], most_m = 0.0;
+        for (int k = 0; k < 3; k++) {
+            corner_of(c, c->order[i], k, corner[k]);
+            reach_piece(c, corner[k], pieces);
         }
-        for (double k = 0.0; k < steps; k++) {
-            const double at[2] = {from[0] + north * (k / steps), from[1] + east * (k / steps)};
-            reach_out(c, at[0], at[1], piece_at(c, at, pieces));
+        int32_t number = label_at(c, corner[0]);
+        if (label_at(c, corner[1]) == number && label_at(c, corner[2]) == number) {
+            continue;
+        }
+        for (int k = 0; k < 2; k++) {
+            for (int axis = 0; axis < 2; axis++) {
+                side_m[k][axis] = corner[k + 1][axis] - corner[0][axis];
+                most_m = fmax(most_m, fabs(side_m[k][axis]));
+            }
+        }
+        double steps = ceil(2.0 * most_m / c->cell_m);
+        for (double a = 0.0; a <= steps; a++) {
+            for (double b = 0.0; a + b <= steps; b++) {
+                double u = a / steps, v = b / steps;
+                const double at[2] = {corner[0][0] + side_m[0][0] * u + side_m[1][0] * v,
+                                      corner[0][1] + side_m[0][1] * u + side_m[1][1] * v};
+                reach_piece(c, at, pieces);
+            }
         }
     }
 }
@@ -224,6 +244,9 @@ static asdic_outline *add_outline(charter *c, const char *name) {
 
 static asdic_status add_rings(charter *c, const char *name, const piece *pieces, size_t count) {
     for (size_t i = 0; i < count; i++) {
+        if (isinf(pieces[i].reach[0])) { /* cells beside a slanted triangle */
+            continue;
+        }
         asdic_outline *o = add_outline(c, name);
         if (!o) {
             return ASDIC_ERROR_MEMORY;

@@ -320,6 +320,36 @@ static void outlines_follow_what_bends(void **state) {
     asdic_scene_destroy(&scene);
 }
 
+/* A triangle of 60 m with an arm of 40 m at either end: cut through its middle, parts of it hold none of its sides, and
+ * parts of the square round it nothing. The rings hold the triangle and lie within the mesh. */
+static void outlines_hold_large_triangles(void **state) {
+    (void)state;
+    const double corners_m[] = {0, 0,  0, 60, 0, 0,   0, 60, 0,   100, 0, 0,  100, 1,
+                                0, 60, 1, 0,  0, 100, 0, 1,  100, 0,   1, 60, 0};
+    const uint32_t triangles[] = {0, 1, 2, 1, 3, 4, 1, 4, 5, 2, 6, 7, 2, 7, 8};
+    asdic_scene *scene = slope_scene();
+    asdic_mesh *mesh;
+    asdic_outline *outlines;
+    size_t count;
+    double area_m2 = 0.0;
+    assert_int_equal(asdic_mesh_from_triangles(ctx, corners_m, 9, triangles, 5, &mesh), ASDIC_OK);
+    add_object(scene, "sail", mesh, (asdic_pose){0});
+    assert_int_equal(asdic_scene_commit(scene), ASDIC_OK);
+    assert_int_equal(asdic_chart_outlines(ctx, scene, &outlines, &count), ASDIC_OK);
+    for (size_t k = 0; k < count; k++) {
+        assert_true(outlines[k].count >= 3);
+        for (size_t j = 0; j < outlines[k].count; j++) {
+            double north_m = outlines[k].north_m[j], east_m = outlines[k].east_m[j];
+            assert_true(fmin(north_m, east_m) > -0.001 && fmax(north_m, east_m) < 100.001);
+            assert_true(north_m + east_m <= 60.001 || fmin(north_m, east_m) <= 1.001);
+        }
+        area_m2 += area_of(outlines[k].north_m, outlines[k].east_m, outlines[k].count);
+    }
+    assert_close(area_m2, 0.5 * 60.0 * 60.0 + 2.0 * 40.0, 100.0);
+    free(outlines);
+    asdic_scene_destroy(&scene);
+}
+
 static const asdic_relief no_relief;
 
 /* Four piles 10 m apart or more, without names and with them: whatever was dark stays dark, so that no name
@@ -525,6 +555,7 @@ int main(void) {
         cmocka_unit_test(relief_is_coloured_by_depth),
         cmocka_unit_test(outlines_are_the_objects),
         cmocka_unit_test(outlines_follow_what_bends),
+        cmocka_unit_test(outlines_hold_large_triangles),
         cmocka_unit_test(names_do_not_cover_what_they_name),
         cmocka_unit_test(charts_leave_out_what_is_far),
         cmocka_unit_test(a_track_is_as_long_as_its_box),
