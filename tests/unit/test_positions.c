@@ -99,11 +99,11 @@ static void upright_bottoms_are_remarked(void **state) {
         {50, 21.0, "0, 0, 0",
          "scene.yaml:4:16: warning: the bottom stands upright: 50 m north, 10 m east, 21 m down; "
          "if its "
-         "file has y up, give 'rotation_deg: [0, 90, 0]'  [bottom.mesh]\n"},
+         "file has y up, give 'rotation_deg: [0, 90, 0]' beside 'mesh'  [bottom.mesh]\n"},
         {10, 21.0, "0, 0, 0",
          "scene.yaml:4:16: warning: the bottom stands upright: 10 m north, 50 m east, 21 m down; "
          "if its "
-         "file has y up, give 'rotation_deg: [0, 90, 0]'  [bottom.mesh]\n"},
+         "file has y up, give 'rotation_deg: [0, 90, 0]' beside 'mesh'  [bottom.mesh]\n"},
         {50, 21.0, "180, 0, 0", ""},
         {50, 21.0, "0, 180, 0", ""},
     };
