@@ -33,17 +33,14 @@ static inline uint bits8(int8 m) {
 static inline uint bits16(int16 m) {
     return (uint)__builtin_ia32_cvtd2mask512(m) & 0xffff;
 }
-#elif defined(LANES_IN_SIGNS)
+#else
+#ifdef LANES_IN_SIGNS
 static inline uint bits4(int4 m) {
     return (uint)__builtin_ia32_movmskps(as_float4(m));
 }
 
 static inline uint bits8(int8 m) {
     return (uint)__builtin_ia32_movmskps256(as_float8(m));
-}
-
-static inline uint bits16(int16 m) {
-    return bits8(m.lo) | bits8(m.hi) << 8;
 }
 #else
 static inline uint bits4(int4 m) {
@@ -54,6 +51,7 @@ static inline uint bits8(int8 m) {
     return (uint)(((as_ulong(convert_char8(m)) & 0x8040201008040201ul) * 0x0101010101010101ul) >>
                   56);
 }
+#endif
 
 static inline uint bits16(int16 m) {
     return bits8(m.lo) | bits8(m.hi) << 8;

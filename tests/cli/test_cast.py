@@ -176,7 +176,8 @@ def test_errors_name_the_line():
                 ("# C\n\nDepth_m,Sound_Speed_mps\n0,1490\n", 3,
                  "none of the columns is known; the header is depth_m,sound_speed_mps in any order, or "
                  "depth_m,temperature_degc[,salinity_ppt]"),
-                ("depth_m,temperature_degc\n0,20\n11000,35\n", 3, "a sound speed of 1"),
+                ("depth_m,temperature_degc\n0,20\n11000,35\n", 3,
+                 "= 1731.25875 is out of range [1300, 1700] m/s"),
                 ("depth_m;sound_speed_mps\n0;1490\n5;1480\n", 1, "separated by semicolons; they must be by commas"),
                 (head + "0,1490,5\n5,1485\n6,1484\n", 2, "3 fields, but the header has 2")):
             err = refused(folder, FILE, cast)

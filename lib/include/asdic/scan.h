@@ -132,7 +132,8 @@ typedef struct asdic_look {
  *
  * False cells: in no case are more than prior / (1 - prior) expected above even odds where a cell
  * has no neighbours and nothing before it, as long as odds are not clipped from below (Ville's
- * inequality: a product of likelihood ratios has a mean of at most 1); neighbours make them fewer. */
+ * inequality: a product of likelihood ratios has a mean of at most 1); neighbours make them
+ * fewer. */
 ASDIC_API asdic_status asdic_occupancy_add(asdic_context *ctx, asdic_occupancy *map,
                                            const asdic_look *look);
 
