@@ -387,25 +387,24 @@ static smooth_view view_smooth(const world *w, __global const dev_coherent *c, c
     real wavelength_m = (real)(w->ping->wavelength_m);
     triple line = {(real)(c->rows[3]), (real)(c->rows[4]), (real)(c->rows[5])};
     line = met_along(line, f->back);
-    triple mean = mean_of_legs(out, back);
-    phasor middle = piece_size(f, mean, range, wavelength_m);
-    /* Of a frequency a fiftieth higher, re the same area. */
-    const real higher = R(1.02);
-    phasor above = piece_size(f, mean, range, wavelength_m / higher);
-    above.re *= higher;
-    above.im *= higher;
-    phasor port = piece_size_from(f, out, back, range, line, -half_m, wavelength_m);
-    phasor starboard = piece_size_from(f, out, back, range, line, half_m, wavelength_m);
-    real to_port = more_than(middle, port), to_starboard = more_than(middle, starboard);
-    real amplitude = r_abs(f->share) * range / wavelength_m * sqrt(laws->reflection2) *
-                     exp(R(-0.5) * laws->roughness_g * met.sine * met.sine);
+    phasor middle = piece_size(f, mean_of_legs(out, back), range, wavelength_m);
     smooth_view v;
-    v.form.re = amplitude * middle.re;
-    v.form.im = amplitude * middle.im;
+    /* One after the other, each with a direction of its own: graphics cards have the registers for one. */
+    phasor there = piece_size_from(f, out, back, range, line, -half_m, wavelength_m);
+    real to_port = more_than(middle, there);
+    there = piece_size_from(f, out, back, range, line, half_m, wavelength_m);
+    real to_starboard = more_than(middle, there);
     v.tilt = R(0.5) * (to_starboard - to_port) / half_m;
     v.bend = R(0.5) * (to_starboard + to_port) / (half_m * half_m);
-    v.rise = more_than(middle, above) / (higher - R(1.0)) * wavelength_m /
-             (R(4.0) * R_PI * (real)(c->pulse_m));
+    /* At the middle, of a frequency a fiftieth higher, re the same area. */
+    const real higher = R(1.02);
+    there = piece_size_from(f, out, back, range, line, R(0.0), wavelength_m / higher);
+    real slope = (higher * (more_than(middle, there) + R(1.0)) - R(1.0)) / (higher - R(1.0));
+    v.rise = slope * wavelength_m / (R(4.0) * R_PI * (real)(c->pulse_m));
+    real amplitude = r_abs(f->share) * range / wavelength_m * sqrt(laws->reflection2) *
+                     exp(R(-0.5) * laws->roughness_g * met.sine * met.sine);
+    v.form.re = amplitude * middle.re;
+    v.form.im = amplitude * middle.im;
     return v;
 }
 
