@@ -31,8 +31,6 @@
 /* Echoes as strong re the background are explained elsewhere, so many at one range. */
 #define STRONG_LIN 30.0
 #define MOST_ECHOES 8
-/* Greatest ln of a ratio that exp can hold; round a stronger echo all are less by as much. */
-#define MOST_LN 600.0
 
 typedef struct ear {
     asdic_face face;
@@ -411,7 +409,8 @@ static void explain(reader *r, size_t best, size_t bin) {
     const asdic_hearing *g = &f->hearings[h->hearing];
     double azimuth = f->step_rad * (double)(best % f->azimuths);
     asdic_vec3 towards = direction_of(r, h);
-    double strength = loudness(r, h, bin), excess = f->ratio[best * f->bins + bin] - MOST_LN;
+    double strength = loudness(r, h, bin),
+           excess = f->ratio[best * f->bins + bin] - ASDIC_RATIO_MOST_LN;
     for (size_t b = 0; b < r->look->sonar->receiver_count; b++) {
         double echo = strength * two_way(r, b, towards) / r->ears[g->beam].axis_lin;
         r->extra_lin[b] += (1.0 + 1.0 / sqrt((double)r->law.looks)) * echo; /* itself a sample */
@@ -474,7 +473,7 @@ static void read_bin(reader *r, size_t bin) {
     for (size_t i = 0; i < headings; i++) {
         double *ratio = &f->ratio[i * f->bins + bin];
         if (f->headings[i].hearing_count > 0 && !isnan(*ratio)) {
-            *ratio = exp(fmin(*ratio, MOST_LN));
+            *ratio = exp(fmin(*ratio, ASDIC_RATIO_MOST_LN));
         }
     }
 }

@@ -30,6 +30,9 @@
 
 #include <asdic/scan.h>
 
+/* Greatest ln of a ratio of likelihoods that exp can hold; round a stronger echo all are less by as much. */
+#define ASDIC_RATIO_MOST_LN 600.0
+
 /* A direction of an arc. */
 typedef struct asdic_heading {
     double elevation_rad, half_height_rad; /* positive down; half the vertical width */

@@ -17,8 +17,6 @@
 #define FAINTER_LIN 0.31622776601683794
 /* Where noise is nearly all there is, shadows look like the rest. */
 #define LEAST_CLUTTER 1e-3
-/* Greatest ln of a ratio that exp can hold, of many looks in a deep shadow. */
-#define MOST_LN 600.0
 
 /* A bin of a direction. */
 typedef struct dusk {
@@ -44,7 +42,7 @@ static double shadow_ratio(const asdic_look *look, asdic_background law, asdic_k
         shadow.mean_lin = noise_lin + clutter_lin;
         shadow.noise_share = noise_lin / shadow.mean_lin;
         double ln = asdic_k_table_ratio(k_table, &shadow, &law, look->intensity_lin[cell]);
-        sum += isnan(ln) ? 1.0 : exp(fmin(ln, MOST_LN)); /* unknown: says nothing */
+        sum += isnan(ln) ? 1.0 : exp(fmin(ln, ASDIC_RATIO_MOST_LN)); /* unknown: says nothing */
     }
     return sum / FAINTER;
 }

@@ -179,6 +179,17 @@ static double widest(void) {
     return asdic_canvas_text_width("100", ASDIC_TEXT_PX);
 }
 
+/* The tick and the word of 10 I lie where that does, of -2 to 108 over HIGH pixels. */
+static void assert_at_ten(size_t i, const struct line *tick, const struct word *word, double high,
+                          bool down) {
+    char text[8];
+    double share = (10.0 * (double)i + 2.0) / 110.0;
+    snprintf(text, sizeof text, "%zu", 10 * i);
+    assert_string_equal(word->text, text);
+    assert_crisp(tick->y0, 50.0 + high * (down ? share : 1.0 - share));
+    assert_true(tick->y1 == tick->y0 && word->at.y == tick->y0);
+}
+
 static void ordinates_have_ticks_on_the_left(void **state) {
     (void)state;
     const asdic_plot_axis axis = {.label = "depth (m)", .low = -2.0, .high = 108.0};
@@ -191,12 +202,7 @@ static void ordinates_have_ticks_on_the_left(void **state) {
         for (size_t i = 0; i < 11; i++) {
             const struct line *tick = &lines[grid ? 2 * i + 1 : i];
             const struct word *word = &words[i];
-            char text[8];
-            double share = (10.0 * (double)i + 2.0) / 110.0;
-            snprintf(text, sizeof text, "%zu", 10 * i);
-            assert_string_equal(word->text, text);
-            assert_crisp(tick->y0, 50.0 + 331.0 * (down ? share : 1.0 - share));
-            assert_true(tick->y1 == tick->y0 && word->at.y == tick->y0);
+            assert_at_ten(i, tick, word, 331.0, down);
             assert_true(tick->x0 == 100.0 && tick->x1 < 97.0 && tick->x1 > 90.0 && tick->red < 0.3);
             assert_true(word->at.x < tick->x1 - 2.0 && word->at.x > tick->x1 - 10.0);
             assert_true(word->at.align_x == 1.0 && word->at.align_y == 0.5 && !word->at.upwards);
@@ -241,12 +247,7 @@ static void scales_have_ticks_on_the_right(void **state) {
         for (size_t i = 0; i < 11; i++) {
             const struct line *tick = &lines[i];
             const struct word *word = &words[i];
-            char text[8];
-            double share = (10.0 * (double)i + 2.0) / 110.0;
-            snprintf(text, sizeof text, "%zu", 10 * i);
-            assert_string_equal(word->text, text);
-            assert_crisp(tick->y0, 50.0 + 330.0 * (down ? share : 1.0 - share));
-            assert_true(tick->y1 == tick->y0 && word->at.y == tick->y0);
+            assert_at_ten(i, tick, word, 330.0, down);
             assert_true(tick->x0 == 740.0 && tick->x1 > 743.0 && tick->x1 < 750.0 &&
                         tick->red < 0.3);
             assert_true(word->at.x > tick->x1 + 2.0 && word->at.x < tick->x1 + 10.0);
